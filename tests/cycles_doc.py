@@ -77,13 +77,12 @@ def passed_on() -> dict[str, list[str]]:
     found = {}
     for name in NAMES:
         dialect, written = dialects.load(name), family(dialects.load(name))
-        ours = {*written.cycles, *getattr(written.before, "codes", ())}
         known = [
             c
             for c in dialect.codes
             if c.does in ("drill", "tap") or c.refuses in (codes.CYCLE, codes.WRITE_OUT)
         ]
-        rest = [c.word for c in known if codes.code_number(c.word) not in ours]
+        rest = [c.word for c in known if codes.code_number(c.word) not in written.codes]
         if rest:
             found[name] = rest
     return found

@@ -15,6 +15,7 @@ from postproc.nc.columns import spread
 from postproc.nc.face import planes
 from postproc.nc.grammar import ABSOLUTE, RELATIVE
 from postproc.nc.positions import Places
+from postproc.nc.queries import word_column
 from postproc.records import columns
 from postproc.units import TICKS_PER_MM
 
@@ -44,11 +45,7 @@ def arcs_of(
     n, words = len(arc), batch.words
     word = {}
     for letter in "IJKR":
-        column = np.full(batch.n, -1, np.int64)
-        place = centre_words.get(letter)
-        if place is not None:
-            column[words.block[place]] = place
-        word[letter] = column[circle.block[arc]]
+        word[letter] = word_column(batch, centre_words.get(letter))[circle.block[arc]]
     first, second = np.full(n, -1), np.full(n, -1)
     centre_word, grid, unit = np.full((3, n), -1), np.ones((2, n), np.int64), np.ones(n, np.int64)
     for plane, (a, b, i, j) in planes(batch).items():
@@ -206,9 +203,7 @@ def _turns(batch: Batch, circle: Circle, arc: np.ndarray, sweep: np.ndarray) -> 
     place = batch.places.get("P")
     if place is None:
         return sweep
-    column = np.full(batch.n, -1, np.int64)
-    column[batch.words.block[place]] = place
-    of = column[circle.block[arc]]
+    of = word_column(batch, place)[circle.block[arc]]
     has = of >= 0
     if not batch.dialect.turns:
         batch.blame(circle.block[arc][has], "P in an arc", "this control has no turns in arcs")

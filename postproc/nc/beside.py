@@ -18,6 +18,7 @@ from postproc.motions import ENTRY, FREE, OFFSET
 from postproc.nc.batch import Batch
 from postproc.nc.columns import one_of, spread
 from postproc.nc.face import planes
+from postproc.nc.queries import words_of
 from postproc.nc.state import NONE, Beside
 from postproc.nc.zeros import stated, stated_tool, tool_named
 from postproc.records import replace
@@ -27,16 +28,6 @@ LEFT, DYNAMIC = (410, 411), (411, 421)
 # Where the point that the control drives lies from the centre of the nose, in radii along Z and X
 # (G18), by the number of the tool's orientation. LinuxCNC: interp_queue.cc, latheorigin_z and
 # latheorigin_x; Fanuc: imaginary tool nose.
-LINUXCNC_NOSE = {
-    1: (1, -1),
-    2: (-1, -1),
-    3: (-1, 1),
-    4: (1, 1),
-    5: (1, 0),
-    6: (0, -1),
-    7: (-1, 0),
-    8: (0, 1),
-}
 FANUC_NOSE = {
     1: (1, 1),
     2: (-1, 1),
@@ -47,6 +38,7 @@ FANUC_NOSE = {
     7: (-1, 0),
     8: (0, -1),
 }
+LINUXCNC_NOSE = {number: (z, -x) for number, (z, x) in FANUC_NOSE.items()}
 
 
 def beside_columns(b: Batch, block: np.ndarray) -> dict[str, np.ndarray]:
@@ -98,7 +90,7 @@ def _tools(b: Batch) -> tuple[np.ndarray, np.ndarray]:
     that is driven."""
     given = b.given.get("cutter")
     begins = np.flatnonzero(one_of(given, b.dialect.beside)).tolist() if given is not None else []
-    named = b.places.get("D", np.zeros(0, np.int64))
+    named = words_of(b, "D")
     offsets = (
         dict(zip(b.words.block[named].tolist(), b.numbers(named).tolist(), strict=True))
         if len(named)
@@ -179,7 +171,7 @@ def _states_tools(b: Batch) -> bool:
 
 
 def _word(b: Batch, letter: str, block: int) -> float | None:
-    place = b.places.get(letter, np.zeros(0, np.int64))
+    place = words_of(b, letter)
     place = place[b.words.block[place] == block]
     return float(b.numbers(place[:1])[0]) if len(place) else None
 
@@ -187,20 +179,20 @@ def _word(b: Batch, letter: str, block: int) -> float | None:
 def _tool(b: Batch, block: int) -> int:
     """The tool in the spindle at a block: the last T when the last M6 came."""
     w = b.words
-    change = b.places.get("M", np.zeros(0, np.int64))
+    change = words_of(b, "M")
     change = change[
         (w.mantissa[change] == 6) & (w.decimals[change] == 0) & (w.block[change] <= block)
     ]
     if not len(change):
         return b.state.tool_number
-    tool = b.places.get("T", np.zeros(0, np.int64))
+    tool = words_of(b, "T")
     tool = tool[w.block[tool] <= w.block[change[-1]]]
     return int(w.mantissa[tool[-1]]) if len(tool) else b.state.next_tool
 
 
 def _last_name(b: Batch, block: int) -> str:
     """Of a lathe: the offset that the last T names."""
-    tool = b.places.get("T", np.zeros(0, np.int64))
+    tool = words_of(b, "T")
     tool = tool[b.words.block[tool] <= block]
     if not len(tool):
         return b.tool

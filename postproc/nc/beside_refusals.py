@@ -18,6 +18,7 @@ from postproc.motions import CLOCKWISE, COUNTER, ENTRY, FREE, HOLE, RAPID, Motio
 from postproc.nc.batch import Batch
 from postproc.nc.beside import DYNAMIC, by_tool
 from postproc.nc.columns import spread
+from postproc.nc.queries import names
 from postproc.nc.shifted import LEFT, RIGHT, Block, Gouge, Shifted
 from postproc.nc.state import NONE
 from postproc.records import replace
@@ -53,8 +54,6 @@ def _codes(b: Batch) -> list[tuple[int, str]]:
     plane_before = np.concatenate([[b.state.codes.get("plane", NONE)], plane[:-1]])
     given = b.given.get("cutter", np.full(b.n, NONE))
     begins = np.isin(given, b.dialect.beside)
-    diameter = np.zeros(b.n, bool)
-    diameter[b.words.block[b.places.get("D", np.zeros(0, np.int64))]] = True
     work = spread(b.held("work offset"), b.n)
     work_before = np.concatenate([[b.state.codes.get("work offset", NONE)], work[:-1]])
     sent = np.zeros(b.n, bool)
@@ -63,7 +62,7 @@ def _codes(b: Batch) -> list[tuple[int, str]]:
     wrong = (
         (begins & before, "cutter radius compensation is turned on while it is on"),
         (begins & (plane == 190), "cutter radius compensation in the plane YZ"),
-        (begins & np.isin(given, DYNAMIC) & ~diameter, "G41.1 or G42.1 without D"),
+        (begins & np.isin(given, DYNAMIC) & ~names(b, "D"), "G41.1 or G42.1 without D"),
         (
             before & (plane != plane_before),
             "the plane changes while cutter radius compensation is on",

@@ -7,7 +7,6 @@ import numpy as np
 
 from postproc.motions import CLOCKWISE, COUNTER
 from postproc.nc.face import ON_FACE, PLANES
-from postproc.nc.grammar import RELATIVE
 from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, counts
 from postproc.nc.writing import Writing
 from postproc.units import TICKS_PER_MM
@@ -115,7 +114,7 @@ def _further_centres(b: Writing, later: np.ndarray, k: int) -> None:
     decimals = _centre_decimals(b, arc, k, np.full(len(later), -1))
     # I=AC() is a word's own affair: blocks put in follow the mode in force, and controls that have
     # it are incremental.
-    absolute = m.arcs.absolute[k, arc] & ~_by_letter(b, m.arcs.words[k, arc])
+    absolute = m.arcs.absolute[k, arc] & ~b.by_letter(m.arcs.words[k, arc])
     wanted = np.where(absolute, _centre(b, later, arc, k), p.centre[k, later])
     number = counts(wanted, np.full(len(later), 1), decimals, _unit(b, arc, k))
     motion = p.motion[later]
@@ -127,15 +126,6 @@ def _centre(b: Writing, piece: np.ndarray, arc: np.ndarray, k: int) -> np.ndarra
     axis = (b.m.arcs.first, b.m.arcs.second)[k][arc]
     centre: np.ndarray = b.p.start[axis, piece] + b.p.centre[k, piece] - b.m.arcs.origin[k, arc]
     return centre
-
-
-def _by_letter(b: Writing, word: np.ndarray) -> np.ndarray:
-    """(K,) bool: words whose own spelling says whether they are absolute."""
-    return (
-        (word >= 0) & (b.w.letter[np.maximum(word, 0)] >= RELATIVE)
-        if len(b.w.letter)
-        else word >= 0
-    )
 
 
 def _unit(b: Writing, arc: np.ndarray, k: int) -> np.ndarray:

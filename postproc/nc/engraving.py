@@ -14,15 +14,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.errors import Notice
-from postproc.nc.batch import AxisWords, Batch, written_codes
-from postproc.nc.columns import one_of
+from postproc.nc.batch import NO_WORDS, AxisWords, Batch, written_codes
+from postproc.nc.columns import one_of, spread
 from postproc.nc.holes import ACROSS, in_cycle
+from postproc.nc.queries import tell
 from postproc.nc.state import InCycle
 
 RAPID_FIRST = "the width of its letters is the control's: go on with G0 X Y in G90"
 FEEDS = (10, 20, 30)
-NO_WORDS = np.zeros(0, np.int64)
 
 
 def as_motion(b: Batch, motion: np.ndarray) -> np.ndarray:
@@ -62,8 +61,8 @@ def _place_of_text(
     begins."""
     block, letter = mask.nonzero()[0], "Z"
     code = b.dialect.by_number[int(motion[block[0]])]
-    plane = int(np.broadcast_to(b.held("plane"), b.n)[block[0]])
-    absolute = np.broadcast_to(b.held("distance"), b.n)[block] != 910
+    plane = int(spread(b.held("plane"), b.n)[block[0]])
+    absolute = spread(b.held("distance"), b.n)[block] != 910
     b.blame(block[~absolute], f"{code.word} ({code.meaning}) in G91", "write G90 before it")
     if ACROSS.get(plane) != letter or letter not in b.rows:
         b.blame(block, f"{code.word} ({code.meaning}) outside the XY plane", "write G17 before it")
@@ -89,7 +88,7 @@ def _place_of_text(
         f"{code.word} ({code.meaning}) stays: where its text begins and its depth are corrected,"
         " what the machine is off across the text is not"
     )
-    b.notices.append(Notice(f"left {code.word}", said, int(b.words.line[block[0]])))
+    tell(b, f"left {code.word}", said, block[0])
 
     def one(x: float, kind: type = np.int64) -> np.ndarray:
         return np.array([x], kind)

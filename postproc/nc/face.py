@@ -23,9 +23,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from postproc.motions import COUNTER
-from postproc.nc.batch import AxisWords, Batch
+from postproc.nc.batch import NO_WORDS, AxisWords, Batch
 from postproc.nc.codes import TRANSFORM
 from postproc.nc.grammar import ABSOLUTE, AXES, RELATIVE
+from postproc.nc.queries import lose
 from postproc.nc.state import NONE, Frame
 from postproc.nc.zeros import with_known, work_columns
 from postproc.records import replace
@@ -171,9 +172,7 @@ def _zero(b: Batch, row: int) -> int:
 def polar_off(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G13.1, G113: words are places of the slides again."""
     if FACE in b.frame.unknown:
-        known = b.state.known.copy()
-        known[[row for x, row in b.rows.items() if x in "XC"]] = False
-        b.state = replace(b.state, known=known)
+        lose(b, "XC")
     b.frame = with_known(replace(b.frame, face=None), FACE)
 
 
@@ -243,8 +242,7 @@ def refuse_faces(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
 
 def _sent(b: Batch) -> np.ndarray:
     """Blocks with G28 and G30."""
-    none = np.zeros(0, np.int64)
-    return np.concatenate([b.single.get(280, none), b.single.get(300, none)])
+    return np.concatenate([b.single.get(number, NO_WORDS) for number in (280, 300)])
 
 
 def _blame(b: Batch, blocks: np.ndarray, message: str) -> None:

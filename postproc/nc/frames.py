@@ -30,6 +30,7 @@ from postproc.nc.lengths import (
     set_tool,
     sign_of_h,
 )
+from postproc.nc.queries import at_first, lose
 from postproc.nc.state import NONE
 from postproc.nc.zeros import (
     EXTERNAL,
@@ -71,13 +72,12 @@ def event(b: Batch, axis_words: AxisWords) -> None:
     tips.settle(b)
     if not b.single:
         return
-    for number in (n for n, does in b.dialect.frame_codes.items() if does == "plane align"):
-        if b.live[0] and begins_with(b, number):
-            planes.plane_align(b, b.dialect.by_number[number].word)
-    _swivelled(b)
-    for number in (n for n, does in b.dialect.frame_codes.items() if does == "spatial"):
-        if b.live[0] and begins_with(b, number):
-            spatial.turned_in(b)
+    for number in _begun(b, "plane align"):
+        planes.plane_align(b, b.dialect.by_number[number].word)
+    for _ in _begun(b, "swivel"):
+        _swivelled(b)
+    for _ in _begun(b, "spatial"):
+        spatial.turned_in(b)
 
 
 def _edge(b: Batch, axis_words: AxisWords) -> None:
@@ -101,6 +101,12 @@ LOST = (
 def begins_with(b: Batch, number: int) -> bool:
     """Whether a code without a group stands in the first block."""
     return number in b.single and 0 in b.single[number][:1]
+
+
+def _begun(b: Batch, does: str) -> list[int]:
+    """The codes that do this, without a group, of the first block."""
+    every = b.dialect.frame_codes.items()
+    return [n for n, own in every if own == does and b.live[0] and begins_with(b, n)]
 
 
 def _set(b: Batch, axis_words: AxisWords, word: str) -> None:
@@ -207,7 +213,7 @@ def _name(b: Batch, p: int, line: int) -> str:
         return WORK_OF_P[p] if p < len(WORK_OF_P) else ""
     if b.dialect.extended_by_p:
         return EXTERNAL
-    held = int(np.broadcast_to(b.held("work offset"), b.n)[0])
+    held = at_first(b, "work offset")
     return b.dialect.by_number[held].word if held != NONE else "G54"
 
 
@@ -229,9 +235,7 @@ def _work_offset(
     old = next((place for x in (name, *also) if (place := stated(b, x)) is not None), None)
     reason = None
     place = dict(old or {})
-    incremental = (
-        b.dialect.extended_by_p and int(np.broadcast_to(b.held("distance"), b.n)[0]) == 910
-    )
+    incremental = b.dialect.extended_by_p and at_first(b, "distance") == 910
     for letter, (value, is_inc) in values.items():
         row = b.rows[letter]
         if by_place:
@@ -341,15 +345,10 @@ def _axis_shift(b: Batch, axis_words: AxisWords, word: str, add: bool = False) -
 
 def _swivelled(b: Batch) -> None:
     """CYCLE800 turns the rotary axes itself."""
-    for number in (n for n, does in b.dialect.frame_codes.items() if does == "swivel"):
-        if not b.live[0] or not begins_with(b, number):
-            continue
-        if swivel.retracts(b):
-            known = b.state.known.copy()
-            known[[row for x, row in b.rows.items() if x in "XYZ"]] = False
-            b.state = replace(b.state, known=known)
-        if does := swivel.direction(b):
-            planes.plane_align(b, swivel.WORD, does)
+    if swivel.retracts(b):
+        lose(b, "XYZ")
+    if does := swivel.direction(b):
+        planes.plane_align(b, swivel.WORD, does)
 
 
 def _length(

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.errors import Notice
 from postproc.motions import Holes, no_holes
-from postproc.nc.batch import NO_WORDS, AxisWords, Batch
+from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.columns import hold_index
 from postproc.nc.positions import Places
+from postproc.nc.queries import tell, word_column, words_of
 from postproc.nc.state import Cycle, InCycle
 
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
@@ -49,7 +49,7 @@ def _axis_of(b: Batch, first: int, motion: np.ndarray, planes: np.ndarray) -> tu
     if letter := b.dialect.hole_axis.get(int(motion[first]), ""):
         return letter, True
     there_and_back = b.dialect.there_and_back[np.maximum(motion, 0)] & (motion >= 0)
-    if there_and_back[b.words.block[b.places.get("Z", NO_WORDS)]].any():
+    if there_and_back[b.words.block[words_of(b, "Z")]].any():
         return "Z", False  # it goes to its words, whatever the plane: G18 is a lathe's
     cycle = b.state.cycle
     if cycle is not None and not _called(b, first):  # it goes on
@@ -109,11 +109,10 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
     holes = drills.nonzero()[0]
     stored = _repeats(b, mask, drills, cycle.stored)
     if b.dialect.repeats == "L":  # where K repeats nothing, it is the least peck of G73 and G83
-        k = b.words.block[b.places.get("K", NO_WORDS)]
+        k = b.words.block[words_of(b, "K")]
         b.blame(k[(mask & ~np.isin(motion, PECKS))[k]], "K in a cycle that has none", NO_REPEATS)
     holes = drills.nonzero()[0]
-    word = np.full(b.n, -1, np.int64)
-    word[b.words.block[depth]] = depth
+    word = word_column(b, depth)
     back = np.broadcast_to(b.held("return"), b.n) != 990
     # without R it goes back to where it stood, which is R level too
     initial = back & (cycle.initial > level) | (~named & (not of_lathe))
@@ -122,8 +121,7 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
     if cycle.known and not of_lathe and not b.dialect.returns_no_lower:
         b.blame(holes[(back & named & (cycle.initial < level))[holes]], SUNK, SUNK_ADVICE)
         flush = (named & absolute & (cycle.initial == level))[holes]
-    own = np.full(b.n, -1, np.int64)
-    own[b.words.block[level_word]] = level_word
+    own = word_column(b, level_word)
     mixed = holes[(~absolute != ~absolute[holes[0]])[holes]] if len(holes) else holes
     relative = holes[~absolute[holes] & ~initial[holes]]
     b.blame(np.concatenate([mixed, relative]), "a cycle that returns to R under G91", _way_out(b))
@@ -153,10 +151,9 @@ def _there_and_back(
     """G33.1: in step with the spindle from where the axes stand to the words, and back there
     (LinuxCNC as measured)."""
     row = b.rows[letter]
-    word = np.full(b.n, -1, np.int64)
     place = axis_words[letter][0]
     place = place[mask[b.words.block[place]]]
-    word[b.words.block[place]] = place
+    word = word_column(b, place)
     holes = (mask & b.has_axis & ~b.taken).nonzero()[0]
     level = np.full(b.n, cycle.initial, np.int64)
     zero = np.where(absolute, np.broadcast_to(b.offset[row], b.n), level)
@@ -210,7 +207,7 @@ def _from_start(
     """(B,) ticks of R level, which is the initial level where no R was ever given. That is told."""
     without = (drills & ~has_level).nonzero()[0]
     if len(without):
-        b.notices.append(Notice("without R", WITHOUT_R, int(b.words.line[without[0]])))
+        tell(b, "without R", WITHOUT_R, without[0])
     return np.where(has_level, level, cycle.initial)
 
 
@@ -220,7 +217,7 @@ def _repeats(b: Batch, mask: np.ndarray, drills: np.ndarray, stored: str) -> str
     before = {-1: stored} if stored else {}  # block to letter
     several = []
     for letter in b.dialect.repeats:
-        place = b.places.get(letter, np.zeros(0, np.int64))
+        place = words_of(b, letter)
         place = place[mask[b.words.block[place]]]
         count, block = b.numbers(place), b.words.block[place]
         drills[block[count == 0]] = False

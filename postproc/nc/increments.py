@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.nc.batch import LINEAR, Batch
+from postproc.nc.queries import words_of
 
 
 def count_increments(b: Batch) -> None:
@@ -21,7 +22,7 @@ def count_increments(b: Batch) -> None:
     by_letter = {**places, **{u: places[x] for u, x in b.dialect.increments.items() if x in places}}
     inch = np.broadcast_to(b.held("units"), b.n) == 200
     for letter in {*by_letter, *"IJKR"}:
-        place = b.places.get(letter, np.zeros(0, np.int64))
+        place = words_of(b, letter)
         place = place[~w.pointed[place]]
         more = inch[w.block[place]] & (letter not in b.rows or b.measured(letter) in LINEAR)
         w.decimals[place] = by_letter.get(letter, linear) + more

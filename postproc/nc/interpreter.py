@@ -33,6 +33,7 @@ from postproc.nc.left import left_as_they_are
 from postproc.nc.lexer import Words
 from postproc.nc.planes import refuse_planes
 from postproc.nc.positions import Places, position
+from postproc.nc.queries import word_column
 from postproc.nc.refusals import (
     check_letters,
     check_points,
@@ -238,7 +239,7 @@ def single_codes(b: Batch, axis_words: AxisWords) -> None:
             b.reason[block] = b.because(f"{code.word} ({code.meaning})", code.refuses)
         if number == 530:
             b.machine[block] = True
-            wrong = block[np.broadcast_to(b.held("distance"), b.n)[block] == 910]
+            wrong = block[spread(b.held("distance"), b.n)[block] == 910]
             b.blame(wrong, "G53 under G91", "controls disagree on what that means: write G90 G53")
             added = np.concatenate([b.words.block[place] for _, place in axis_words.values()])
             b.blame(
@@ -249,11 +250,9 @@ def single_codes(b: Batch, axis_words: AxisWords) -> None:
         elif number == 40 and b.dialect.dwell != "P":
             b.taken[block] = True  # X and U are seconds here
         elif number == 40:
-            timed = np.zeros(b.n, bool)
-            timed[b.words.block[b.once("P")]] = True
-            wrong = block[b.has_axis[block] & ~timed[block]]
+            timed = word_column(b, b.once("P")) >= 0
             b.blame(
-                wrong,
+                block[(b.has_axis & ~timed)[block]],
                 "G4 with an axis word and no P",
                 "this control's dwell time is P; for X or U in seconds use another --dialect",
             )

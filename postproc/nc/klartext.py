@@ -77,7 +77,7 @@ TURNS = {8: "", 10: "0", 11: "1", 19: "0", 26: "1"}  # a value that turns, scale
 TURNED = {19: codes.TILTED}
 CYLINDERS = (27, 28, 29, 39)
 ACT_AT_ONCE = (7, 9, 13, 14, 20, 32, 247, *TURNS)  # and are no cycles that are called
-STAY = (2, 17, 202, 204, 206, 207, 209, 241, *range(262, 266), 267)  # klartext_holes.py
+STAY = (2, 17, 202, 204, 206, 207, 209, 241, *range(262, 266), 267)  # by the spindle
 ZERO = b"G52X0Y0Z0"
 PLANE = b"G268"
 # TCPM with places of rotary axes, about the tip and with its feed: M128. Not PATHCTRL VECTOR, with

@@ -13,22 +13,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.errors import Notice
-from postproc.nc.batch import NO_WORDS, Batch
+from postproc.nc.batch import Batch
 from postproc.nc.codes import KEYWORD, Code
 from postproc.nc.columns import spread
+from postproc.nc.holes import ACROSS
+from postproc.nc.queries import names, tell
 
-ACROSS = {170: "Z", 180: "Y", 190: "X"}
 DIAMETER = 70  # ten times G7
 TURNS = 1840  # G184 of Okuma lathes turns C from hole to hole
-
-
-def _names(b: Batch, letters: str) -> np.ndarray:
-    """(B,) bool: blocks that have one of these letters."""
-    found = np.zeros(b.n, bool)
-    for letter in letters:
-        found[b.words.block[b.places.get(letter, NO_WORDS)]] = True
-    return found
 
 
 def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
@@ -50,12 +42,12 @@ def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
         if np.count_nonzero(mask):
             b.taken |= mask
             if number == TURNS and "C" in b.rows:
-                b.loses[mask & _names(b, "CQ")] = True
+                b.loses[mask & names(b, "CQ")] = True
             said = (
                 f"{code.word} ({code.meaning}) stays as it is, in step with the spindle: its thread"
                 " is cut uncorrected"
             )
-            b.notices.append(Notice(f"left {code.word}", said, int(b.words.line[mask.argmax()])))
+            tell(b, f"left {code.word}", said, int(mask.argmax()))
 
 
 def _by_radius(b: Batch, code: Code, mask: np.ndarray) -> np.ndarray:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.errors import Notice
 from postproc.nc.batch import AxisWords, Batch
+from postproc.nc.queries import at_first, tell, unit_at_first, words_of
 from postproc.nc.state import NONE, UNSAID, ticks_of
 from postproc.nc.zeros import (
     changed,
@@ -43,11 +43,10 @@ def set_tool(
     name = f"H{p}"
     radius = number_of(b, "R")
     if not values and b.dialect.extended_by_p and radius is not None and line in (10, 11):
-        unit = np.broadcast_to(b.unit_scale("Z")[0], b.n)[0]
-        values = {"Z": (round(radius * int(unit)), False)} if "Z" in b.rows else {}
+        values = {"Z": (round(radius * unit_at_first(b)), False)} if "Z" in b.rows else {}
     place = dict(stated_tool(b, "H", p) or {})
     if radius is not None:  # LinuxCNC: of the tool
-        place["R"] = radius * int(np.broadcast_to(b.unit_scale("Z")[0], b.n)[0]) / TICKS_PER_MM
+        place["R"] = radius * unit_at_first(b) / TICKS_PER_MM
     by_place = line in (10, 11) and not b.dialect.extended_by_p
     if by_place:
         note_presets(b, axis_words, values)
@@ -83,8 +82,8 @@ def set_radius(b: Batch, p: int, line: int) -> None:
     place, value = stated_tool(b, "D", p), number_of(b, "R")
     if value is None:
         return
-    unit = np.broadcast_to(b.unit_scale("Z")[0], b.n)[0] / TICKS_PER_MM
-    adds = line == 13 or int(np.broadcast_to(b.held("distance"), b.n)[0]) == 910
+    unit = unit_at_first(b) / TICKS_PER_MM
+    adds = line == 13 or at_first(b, "distance") == 910
     expected = [0.0] if adds else [k * (place or {}).get("R", np.nan) for k in (1, 2)]
     if not np.isclose(value * unit, expected, rtol=0, atol=1e-6).any():
         b.offsets = {**b.offsets, f"D{p}": {}}
@@ -115,7 +114,7 @@ def length_of(b: Batch, axis_words: AxisWords, word: str, sign: int = 1, add: bo
     if length is None:
         b.frame = with_known(b.frame, "length", _not_stated(int(number)) if number > 0 else UNNAMED)
         return
-    units = int(np.broadcast_to(b.held("units"), b.n)[0])
+    units = at_first(b, "units")
     length = b.frame.length + length if add else length
     b.frame = with_known(replace(b.frame, length=length, length_units=units, lapsed=()), "length")
 
@@ -130,7 +129,7 @@ def left_open(b: Batch, axis_words: AxisWords, before: np.ndarray) -> None:
     changes = b.frame.length != before
     if not b.dialect.length_left_open or b.frame.space is not None or not changes.any():
         return
-    if int(np.broadcast_to(b.held("distance"), b.n)[0]) != 910:
+    if at_first(b, "distance") != 910:
         named = (x for x, (_, is_inc) in values_of(b, axis_words).items() if not is_inc)
         changes[[b.rows[x] for x in named]] = False
     b.state = replace(b.state, known=b.state.known & ~changes)
@@ -145,7 +144,7 @@ def sign_of_h(b: Batch) -> int:
         return 0
     if b.given.get("tool length", (NONE,))[0] != NONE:
         return 0
-    return {430: 1, 440: -1}.get(int(np.broadcast_to(b.held("tool length"), b.n)[0]), 0)
+    return {430: 1, 440: -1}.get(at_first(b, "tool length"), 0)
 
 
 def lapses(b: Batch, letter: str, away: np.ndarray, by: np.ndarray) -> np.ndarray:
@@ -185,20 +184,17 @@ def _of_h0(b: Batch, add: bool) -> float:
     if number >= 0:
         return float(number)
     if stated_tool(b, "H", 0) is None:
-        b.notices.append(
-            Notice(
-                "H0",
-                "G43 H0 takes the length of the tool in the spindle, and no M6 says which that is: "
-                "taken as no length; else --offset H0=Z.. in mm",
-                int(b.words.line[0]),
-            )
+        said = (
+            "G43 H0 takes the length of the tool in the spindle, and no M6 says which that is: "
+            "taken as no length; else --offset H0=Z.. in mm"
         )
+        tell(b, "H0", said, 0)
     return 0.0
 
 
 def _tool_in_spindle(b: Batch) -> int:
     """The tool that the first block's M6 brings, or that is there already."""
-    change = b.places.get("M", np.zeros(0, np.int64))
+    change = words_of(b, "M")
     called = number_of(b, "T")
     if (b.words.block[change[b.words.mantissa[change] == 6]] == 0).any():
         return int(called) if called is not None else b.state.next_tool
@@ -210,7 +206,7 @@ def _units_changed(b: Batch) -> bool:
     stands elsewhere when the length changes next: the next motion goes astray, as measured."""
     if not b.dialect.local_is_preset or not b.frame.length.any():
         return False
-    units = int(np.broadcast_to(b.held("units"), b.n)[0])
+    units = at_first(b, "units")
     if units == b.frame.length_units:
         return False
     reason = (
@@ -229,14 +225,11 @@ def length_by(b: Batch, axis_words: AxisWords, letter: str, number: int) -> None
     place = stated_tool(b, letter, number) if number > 0 else {}  # T-1: no tool at all
     reason = None
     if place is None and b.dialect.homes:
-        b.notices.append(
-            Notice(
-                name,
-                f"{name}: no offset is stated for it, and it is taken as none, as with one nozzle; "
-                f"else --offset {name}=X..,Y..,Z.. in mm",
-                int(b.words.line[0]),
-            )
+        said = (
+            f"{name}: no offset is stated for it, and it is taken as none, as with one nozzle; "
+            f"else --offset {name}=X..,Y..,Z.. in mm"
         )
+        tell(b, name, said, 0)
     elif place is None:
         reason = (
             f"the tool length {name} is not stated",
@@ -256,7 +249,7 @@ def _delta(b: Batch) -> np.ndarray | int:
     more = number_of(b, "Q") if b.dialect.grammar.klartext else None
     if more is None or "Z" not in b.rows:
         return 0
-    unit = np.broadcast_to(b.unit_scale("Z")[0], b.n)[0]
+    unit = unit_at_first(b)
     return np.array([round(more * unit) if x == "Z" else 0 for x in b.setup.axes], np.int64)
 
 
@@ -271,7 +264,7 @@ def length_words(b: Batch, axis_words: AxisWords, word: str) -> None:
         )
     if _units_changed(b):
         return
-    units = int(np.broadcast_to(b.held("units"), b.n)[0])
+    units = at_first(b, "units")
     b.frame = with_known(
         replace(b.frame, length=changed(b.frame.length, values), length_units=units), "length"
     )

@@ -14,8 +14,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from postproc.errors import Notice
 from postproc.nc.batch import AxisWords, Batch
+from postproc.nc.queries import lose, tell
 from postproc.nc.tips import PLANE, STATE_FRAME, lost
 from postproc.nc.zeros import number_of, values_of, with_known, work_columns
 from postproc.records import replace
@@ -86,7 +86,7 @@ def _say_other_way(b: Batch, word: str, rotary: Sequence[str], found: list[np.nd
             f"{word} is taken to turn to {ways[0]}, the shorter way; should the control go to"
             f" {ways[1]}, write the rotary axes before it"
         )
-        b.notices.append(Notice("G53.1", said, int(b.words.line[0])))
+        tell(b, "G53.1", said, 0)
 
 
 def _frame_unknown(
@@ -143,9 +143,7 @@ def turn_to(b: Batch, there: np.ndarray) -> None:
     """The rotary axes go to `there` (A,) ticks by themselves; the slides stay."""
     kinematics = b.setup.kinematics
     if kinematics is None:  # whatever rotary axes there are, no slide is carried by them
-        known = b.state.known.copy()
-        known[[row for x, row in b.rows.items() if x in "ABC"]] = False
-        b.state = replace(b.state, known=known)
+        lose(b, "ABC")
         return
     position, sent = b.state.position.copy(), np.zeros(len(b.rows), bool)
     rotary = [b.rows[x] for x in kinematics.rotary]

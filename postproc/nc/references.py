@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from postproc.nc.batch import NO_WORDS, Batch
+from postproc.nc.batch import Batch
 from postproc.nc.grammar import AXES, BARE
+from postproc.nc.queries import words_of
 from postproc.nc.zeros import homed, second_home
 from postproc.units import TICKS_PER_MM
 
@@ -47,7 +48,7 @@ def away(
 
 def _further(b: Batch) -> np.ndarray:
     """Blocks with a P that is not 2: G30 P3 goes to the third reference point."""
-    place = b.places.get("P", NO_WORDS)
+    place = words_of(b, "P")
     w = b.words
     further: np.ndarray = w.block[place[(w.mantissa[place] != 2) | (w.decimals[place] != 0)]]
     return further

@@ -9,10 +9,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from postproc.errors import Notice
 from postproc.nc import codes
 from postproc.nc.batch import Batch
-from postproc.nc.columns import hold_last
+from postproc.nc.columns import hold_last, spread
 from postproc.nc.grammar import (
     ABSOLUTE,
     AXES,
@@ -24,6 +23,7 @@ from postproc.nc.grammar import (
     RELATIVE,
     UNTOLD,
 )
+from postproc.nc.queries import names, tell, words_of
 from postproc.nc.state import NONE
 from postproc.nc.tips import tip_codes
 
@@ -99,14 +99,11 @@ def check_letters(b: Batch) -> None:
             if b.setup.block_delete
             else "read as executed, as with the switch off"
         )
-        b.notices.append(
-            Notice(
-                "block delete",
-                f"blocks that begin with / are {how}; with the switch the other way the output is "
-                "not right (--block-delete on|off)",
-                int(b.words.line[slashed]),
-            )
+        said = (
+            f"blocks that begin with / are {how}; with the switch the other way the output is "
+            "not right (--block-delete on|off)"
         )
+        tell(b, "block delete", said, slashed)
 
 
 def check_second(b: Batch) -> None:
@@ -143,13 +140,7 @@ def check_points(b: Batch) -> None:
             whole = ~b.words.pointed[place] & (b.words.mantissa[place] != 0)
             bare = place[whole & ~b.taken[b.words.block[place]]]
             if len(bare):
-                b.notices.append(
-                    Notice(
-                        "integer",
-                        b.dialect.integer_notice,
-                        int(b.words.line[b.words.block[bare[0]]]),
-                    )
-                )
+                tell(b, "integer", b.dialect.integer_notice, b.words.block[bare[0]])
                 return
 
 
@@ -198,13 +189,8 @@ def m_codes(b: Batch) -> None:
             b.foreign[block] = True
             b.reason[block] = b.because(_called(b, int(number)), b.dialect.m_refuses[int(number)])
         elif number not in b.dialect.m_codes and number not in tip_codes(b.dialect, b.setup):
-            b.notices.append(
-                Notice(
-                    f"M{number}",
-                    f"M{number} is not a code of {b.dialect.title}: passed as it is",
-                    int(b.words.line[block[0]]),
-                )
-            )
+            said = f"M{number} is not a code of {b.dialect.title}: passed as it is"
+            tell(b, f"M{number}", said, block[0])
 
 
 def _tool_change(b: Batch, block: np.ndarray) -> None:
@@ -232,15 +218,12 @@ def macros(b: Batch) -> None:
         b.reason[block[i]] = b.because(f"{name} can not be followed", why)
     if not number.all():
         first = int(place[number == 0][0])
-        b.notices.append(
-            Notice(
-                "macro",
-                f"{_name_of(b, first)} runs text that only the machine has: it passes, modes are"
-                " taken to be behind it what they were, and no axis has a known place until the"
-                " program names one",
-                int(b.words.line[b.words.block[first]]),
-            )
+        said = (
+            f"{_name_of(b, first)} runs text that only the machine has: it passes, modes are"
+            " taken to be behind it what they were, and no axis has a known place until the"
+            " program names one"
         )
+        tell(b, "macro", said, b.words.block[first])
 
 
 def cycle_calls(b: Batch) -> None:
@@ -249,20 +232,17 @@ def cycle_calls(b: Batch) -> None:
     block = b.single.get(CYCLE_CALL)
     if block is None or not b.dialect.grammar.klartext:
         return
-    tapped = np.broadcast_to(b.held("defined cycle"), b.n)[block] == TAPPING
+    tapped = spread(b.held("defined cycle"), b.n)[block] == TAPPING
     for i in block[~tapped]:
         b.foreign[i] = True
         b.reason[i] = b.because("CYCL CALL can not be followed", codes.CYCLE)
     if tapped.any():
-        b.notices.append(
-            Notice(
-                "tapping cycle",
-                "cycles that tap, mill threads, or bore and drill by the spindle's angle or speed"
-                " stay as they are: their place is corrected at the clearance above the hole, their"
-                " depth is not",
-                int(b.words.line[block[tapped][0]]),
-            )
+        said = (
+            "cycles that tap, mill threads, or bore and drill by the spindle's angle or speed"
+            " stay as they are: their place is corrected at the clearance above the hole, their"
+            " depth is not"
         )
+        tell(b, "tapping cycle", said, block[tapped][0])
 
 
 def _name_of(b: Batch, place: int) -> str:
@@ -313,7 +293,7 @@ def unnamed_motions(b: Batch, moving: np.ndarray) -> None:
 
 def single_commands(b: Batch) -> None:
     """Firmware that obeys one command a line would pass over the second one."""
-    commands = np.sort(np.concatenate([b.places.get(x, np.zeros(0, np.int64)) for x in "GMT"]))
+    commands = np.sort(np.concatenate([words_of(b, x) for x in "GMT"]))
     block = b.words.block[commands]
     twice = (block[1:] == block[:-1]).nonzero()[0]
     if len(twice):
@@ -331,8 +311,7 @@ def idle_letters(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
     letters = [x for x in b.dialect.letters if x in b.places and x != own]
     if not letters:
         return
-    plain = moving & (motion >= 0) & (motion <= 30)
-    plain[b.words.block[b.places.get("M", np.zeros(0, np.int64))]] = False
+    plain = moving & (motion >= 0) & (motion <= 30) & ~names(b, "M")
     for letter in letters:
         place = b.places[letter]
         centre = letter == "J" and "Y" in b.rows  # of an arc, where it is no other parameter
@@ -386,7 +365,7 @@ def _refuse_numbers(b: Batch) -> None:
     """T2W202 in a block of its own: W is the offset's number on lathes that call tools so, and on
     others the slide moves by it; the text does not say which."""
     block = b.words.block
-    number = np.isin(np.arange(len(block)), b.places.get("N", np.zeros(0, np.int64)))
+    number = np.isin(np.arange(len(block)), words_of(b, "N"))
     pair = np.bincount(block[~number], minlength=b.n) == 2
     pair &= np.bincount(block[b.places["T"]], minlength=b.n) == 1
     for letter in (x for x in b.dialect.increments if x in b.places):

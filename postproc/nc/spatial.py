@@ -17,9 +17,9 @@ import numpy as np
 from postproc.expressions import expression
 from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.planes import plane_align, plane_off, tilt, turn_to, turned
+from postproc.nc.queries import lose
 from postproc.nc.tips import PLANE
 from postproc.nc.zeros import with_known
-from postproc.records import replace
 
 WORD = "PLANE"
 KIND = expression(rb"PLANE[ \t]+([A-Z]+)")
@@ -63,9 +63,7 @@ def turned_in(b: Batch) -> None:
     if how is None:
         return
     if how[1] == b"MOVE" or b" MB" in text:
-        known = b.state.known.copy()
-        known[[row for x, row in b.rows.items() if x in "XYZ"]] = False
-        b.state = replace(b.state, known=known)
+        lose(b, "XYZ")
     found = KIND.search(text)
     if found is not None and found[1] == b"RESET":
         turn_to(b, np.zeros(len(b.rows), np.int64))

@@ -78,7 +78,7 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
     for pattern in _ignored(grammar.ignores):
         code = pattern.sub(_blank, code)
     if grammar.homing:
-        code = _homing(grammar.homing).sub(_homes, code)
+        code = _ignored((grammar.homing,))[0].sub(_homes, code)
     for pattern, number in _macros(grammar.macros):
         code = pattern.sub(partial(_macro, number), code)
     for text, letter in grammar.letters:
@@ -106,20 +106,14 @@ def _lettered(letter: str, match: re.Match[bytes]) -> bytes:
     return match[0][:at] + letter.encode() + match[0][at + 1 :]
 
 
-@lru_cache
-def _homing(text: str) -> re.Pattern[bytes]:
-    return re.compile(text.encode(), re.IGNORECASE | re.MULTILINE)
-
-
 def _homes(match: re.Match[bytes]) -> bytes:
     return bytes([HOMING]).ljust(len(match[0]))
 
 
 @lru_cache
 def _macros(macros: tuple[tuple[str, int], ...]) -> tuple[tuple[re.Pattern[bytes], int], ...]:
-    return tuple(
-        (re.compile(text.encode(), re.IGNORECASE | re.MULTILINE), number) for text, number in macros
-    )
+    patterns = _ignored(tuple(text for text, _ in macros))
+    return tuple(zip(patterns, (number for _, number in macros), strict=True))
 
 
 @lru_cache
@@ -157,14 +151,9 @@ def _keywords(keywords: tuple[str, ...]) -> tuple[re.Pattern[bytes], dict[bytes,
 
 def _blank(match: re.Match[bytes]) -> bytes:
     """As many blanks; what the pattern's group holds stays."""
-    if not match.re.groups:
+    if not match.re.groups or match[1] is None:
         return b" " * len(match[0])
-    kept = match.span(1)
-    return (
-        b" " * (kept[0] - match.start()) + match[1] + b" " * (match.end() - kept[1])
-        if match[1] is not None
-        else b" " * len(match[0])
-    )
+    return b" " * (match.start(1) - match.start()) + match[1] + b" " * (match.end() - match.end(1))
 
 
 def _named(match: re.Match[bytes]) -> bytes:

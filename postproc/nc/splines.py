@@ -15,6 +15,7 @@ import numpy as np
 from postproc.motions import SPLINE
 from postproc.nc.batch import Batch
 from postproc.nc.columns import spread
+from postproc.nc.queries import names
 
 INTERVAL = "Q"  # the letter under which PL is read
 
@@ -58,6 +59,5 @@ def spaced_column(b: Batch, block: np.ndarray, code: np.ndarray) -> np.ndarray:
     kind."""
     spaced = np.zeros(len(block), bool)
     if np.count_nonzero(code == SPLINE):
-        said = b.words.block[b.places.get(INTERVAL, np.zeros(0, np.int64))]
-        spaced = (code == SPLINE) & np.isin(block, said)
+        spaced = (code == SPLINE) & names(b, INTERVAL)[block]
     return spaced

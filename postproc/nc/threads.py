@@ -16,6 +16,7 @@ from postproc.motions import THREAD
 from postproc.nc.batch import Batch
 from postproc.nc.columns import spread
 from postproc.nc.numbers import INSERT_WORD
+from postproc.nc.queries import names, words_of
 from postproc.nc.writing import Writing
 from postproc.units import TICKS_PER_MM
 
@@ -40,12 +41,12 @@ def thread_columns(
     chained &= spread(b.held("feed mode"), b.n)[at] != 930  # F is a time there, not a lead
     for number in d.exact_stops:
         chained &= ~np.isin(at, b.single.get(number, ()))
-    chained &= ~np.isin(at, b.words.block[b.places.get(START_ANGLE, np.zeros(0, np.int64))])
+    chained &= ~names(b, START_ANGLE)[at]
     whole[thread] = ~chained
     per = np.broadcast_to(b.unit_scale("Z")[0], b.n)[at] / TICKS_PER_MM
     value = np.where("F" in d.thread_words, feed[thread], 0.0)
     for letter in d.thread_words.replace("F", ""):
-        place = b.places.get(letter, np.zeros(0, np.int64))
+        place = words_of(b, letter)
         column = np.zeros(b.n)
         column[b.words.block[place]] = np.abs(b.numbers(place))
         value = np.where(column[at] > 0, column[at], value)

@@ -153,14 +153,13 @@ class Writing:
             return absolute
         incremental = m.incremental[row, motion]
         if self.has_spelled:  # X=IC() holds for its own word; blocks put in follow G90 G91
-            by_letter = self._by_letter(row, motion) & ~self.first[piece]
+            by_letter = self.by_letter(m.word[row, motion]) & ~self.first[piece]
             incremental = np.where(by_letter, m.relative[motion], incremental)
         ticks: np.ndarray = np.where(incremental, p.end[row, piece] - p.start[row, piece], absolute)
         return ticks
 
-    def _by_letter(self, row: int | np.ndarray, motion: np.ndarray) -> np.ndarray:
+    def by_letter(self, word: np.ndarray) -> np.ndarray:
         """(K,) bool: words whose own spelling says whether they are absolute."""
-        word = self.m.word[row, motion]
         by_letter: np.ndarray = (
             (word >= 0) & (self.w.letter[np.maximum(word, 0)] >= RELATIVE)
             if len(self.w.letter)

@@ -16,6 +16,7 @@ from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.columns import changes
 from postproc.nc.control import ALSO
 from postproc.nc.dialects import Dialect
+from postproc.nc.queries import at_first, unit_at_first
 from postproc.nc.rows import SECOND_REFERENCE
 from postproc.nc.state import NONE, Frame, ticks_of
 from postproc.records import replace
@@ -182,10 +183,7 @@ def values_of(b: Batch, axis_words: AxisWords) -> dict[str, tuple[int, bool]]:
     for letter, words in axis_words.items():
         for is_inc, place in enumerate(words):
             if len(place) and b.words.block[place[0]] == 0:
-                scale = (
-                    np.broadcast_to(b.unit_scale(letter)[0], b.n)[0]
-                    // np.broadcast_to(b.halves(letter), b.n)[0]
-                )
+                scale = unit_at_first(b, letter) // np.broadcast_to(b.halves(letter), b.n)[0]
                 result[letter] = (int(b.ticks(place[:1], np.array([scale]))[0]), bool(is_inc))
     return result
 
@@ -241,7 +239,7 @@ def with_known(frame: Frame, part: str, reason: tuple[str, str] | None = None) -
 
 def goes_on(b: Batch, word: str) -> bool:
     """Whether a shift in G91 counts from the one in force, which is not followed."""
-    if int(np.broadcast_to(b.held("distance"), b.n)[0]) != 910:
+    if at_first(b, "distance") != 910:
         return False
     reason = (f"{word} in G91 counts from the datum in force", f"write {word} in G90")
     b.frame = with_known(b.frame, "turned", reason)

@@ -114,8 +114,7 @@ def test_expand_is_promised_only_where_it_is(name):
     """A sentence that names --expand needs somebody who writes such codes out."""
     dialect = dialects.load(name)
     written = family(dialect)
-    ways = set(written.cycles) | set(written.control.codes if _codes(written) else ())
-    ways |= set(getattr(written.before, "codes", ()))
+    ways = written.codes | set(written.control.codes if _codes(written) else ())
     for code in dialect.codes:
         if "--expand" not in code.refuses:
             continue

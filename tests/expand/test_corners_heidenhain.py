@@ -26,6 +26,13 @@ def test_a_chamfer_begins_and_ends_as_far_from_the_corner():
     ]  # fmt: skip
 
 
+def test_where_the_lines_go_on_straight_there_is_no_corner():
+    lines = plain(START + "G24 R3|X+30")
+    assert lines == ["G00 G90 X+0 Y+0*", "G01 X+20 F100*", "X+30*"]
+    with pytest.raises(ProgramError, match="G25 where the line runs back"):
+        plain(START + "G25 R3|X+20")
+
+
 def test_a_rounding_touches_both_lines():
     """Radius 5 at a right angle: from X15 around X15 Y5 to Y5."""
     lines = plain(START + "G25 R5|Y+30")

@@ -8,39 +8,29 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
 
 from postproc.nc.codes import code_number
 from postproc.nc.cycles.arcs_placed_siemens import PlacedArcs
 from postproc.nc.cycles.arcs_siemens import Openings
-from postproc.nc.cycles.before import Chain
-from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.before import Before, Chain
 from postproc.nc.cycles.block_feed_siemens import BlockFeed
 from postproc.nc.cycles.blocks_okuma_lathe import LatheBlocks
 from postproc.nc.cycles.bolt_holes_haas import BoltHoles
-from postproc.nc.cycles.circular_haas import CLOCKWISE, COUNTER, CircularPocket
+from postproc.nc.cycles.circular_haas import CircularPocket
 from postproc.nc.cycles.corners_fanuc import FanucCorners
 from postproc.nc.cycles.corners_heidenhain import IsoCorners
+from postproc.nc.cycles.cycle import Cycle
 from postproc.nc.cycles.direction_fanuc import ToolDirections
 from postproc.nc.cycles.direction_siemens import SiemensDirections
-from postproc.nc.cycles.drilling import Outcome
-from postproc.nc.cycles.drilling_fadal import FADAL, FadalDrilling
-from postproc.nc.cycles.drilling_fagor import FAGOR, TAP, FagorDrilling
-from postproc.nc.cycles.drilling_fanuc import (
-    LATHE,
-    MILL,
-    MILL_REFUSED,
-    FanucDrilling,
-    HaasDrilling,
-    LatheDrilling,
-)
-from postproc.nc.cycles.drilling_haas_lathe import HAAS_LATHE, HaasLatheDrilling
-from postproc.nc.cycles.drilling_linuxcnc import ACTIONS, REFUSED, LinuxcncDrilling
-from postproc.nc.cycles.drilling_okuma import LEVEL, OKUMA, TAPS, OkumaDrilling, ReturnLevel
-from postproc.nc.cycles.drilling_okuma_lathe import DRILL, LiveDrilling
-from postproc.nc.cycles.engraving_haas import CODE as ENGRAVING
+from postproc.nc.cycles.drilling_fadal import FadalDrilling
+from postproc.nc.cycles.drilling_fagor import FagorDrilling
+from postproc.nc.cycles.drilling_fanuc import FanucDrilling, HaasDrilling, LatheDrilling
+from postproc.nc.cycles.drilling_haas_lathe import HaasLatheDrilling
+from postproc.nc.cycles.drilling_linuxcnc import LinuxcncDrilling
+from postproc.nc.cycles.drilling_okuma import OkumaDrilling, ReturnLevel
+from postproc.nc.cycles.drilling_okuma_lathe import LiveDrilling
 from postproc.nc.cycles.engraving_haas import Engraving
-from postproc.nc.cycles.frames import Frames
+from postproc.nc.cycles.frame_control import FrameControl
 from postproc.nc.cycles.frames_fanuc import FanucFrames
 from postproc.nc.cycles.frames_haas import HaasFrames
 from postproc.nc.cycles.frames_siemens import SiemensFrames
@@ -48,194 +38,57 @@ from postproc.nc.cycles.grooving_fanuc import Grooving
 from postproc.nc.cycles.grooving_okuma import OkumaGrooving
 from postproc.nc.cycles.holes_heidenhain import IsoHoles
 from postproc.nc.cycles.klartext_turns import KlartextTurns
-from postproc.nc.cycles.nurbs_fanuc import NURBS, FanucNurbs
-from postproc.nc.cycles.pocket_haas import CODE as POCKET
+from postproc.nc.cycles.nurbs_fanuc import FanucNurbs
 from postproc.nc.cycles.pocket_haas import Pocket
 from postproc.nc.cycles.pole_heidenhain import PoleArcs
 from postproc.nc.cycles.polynomials_siemens import Polynomials
 from postproc.nc.cycles.rotation_linuxcnc import LinuxcncRotation
 from postproc.nc.cycles.scene import Scene
-from postproc.nc.cycles.spline_marlin import SPLINE, MarlinSpline
+from postproc.nc.cycles.spline_marlin import MarlinSpline
 from postproc.nc.cycles.splines import Splines
 from postproc.nc.cycles.threading import LinuxcncThread
 from postproc.nc.cycles.turning_fanuc import Repetitive
 from postproc.nc.cycles.turning_linuxcnc import LinuxcncTurning
 from postproc.nc.cycles.turning_single import Stays, Turn
-from postproc.nc.cycles.words import Form
 from postproc.nc.dialects import Dialect
-from postproc.nc.expand import Line
-
-
-class Cycle(Protocol):
-    """What the resolver asks of a cycle. `modal`: later blocks without a motion code may be its
-    own."""
-
-    @property
-    def modal(self) -> bool: ...
-
-    def forms(self, code: int) -> tuple[Form, ...]: ...
-
-    def run(self, scene: Scene, block: Block, code: int) -> Outcome: ...
-
-    def wants(self, scene: Scene, block: Block) -> bool: ...
-
-    def end(self) -> None: ...
-
-
-class Before(Protocol):
-    """What the resolver asks of what looks at lines before it does. `codes`: those that it writes
-    out; `rigid`: whether what it wrote last has a size of its own, which no frame may scale."""
-
-    codes: tuple[int, ...]
-    rigid: bool
-
-    def wants(self, line: Line) -> bool: ...
-
-    def take(self, line: Line) -> list[Line]: ...
-
-    def finish(self) -> list[Line]: ...
-
-
-class Control(Protocol):
-    """What the resolver asks of a control's frames. `codes`: those it looks at; `takers`: those of
-    them whose axis words are no motion."""
-
-    codes: tuple[int, ...]
-    takers: tuple[int, ...]
-    frames: Frames
-
-    @property
-    def active(self) -> bool: ...
-
-    def known(self, axis: str) -> float | None: ...
-
-    def take(self, block: Block) -> list[bytes]: ...
-
-    def snapshot(self) -> Any: ...
-
-    def restore(self, kept: Any) -> None: ...
 
 
 @dataclass(frozen=True)
 class Family:
     """The cycles of a dialect by ten times their G number, and its frames. `restores`: G80 brings
     back the motion code (G0 G1 G2 G3) that was in force before the cycle; `forgets`: nobody knows
-    which one it leaves. `until_g80`: a motion code does not end a cycle. `before`: what writes out
-    what depends on blocks around it: roundings, arcs about a pole."""
+    which one it leaves. `until_g80`: a motion code does not end a cycle. `parts`: what writes out
+    what depends on blocks around it, in this order: roundings, arcs about a pole."""
 
     cycles: dict[int, Cycle] = field(default_factory=dict)
-    control: Callable[[Scene], Control] | None = None
+    control: type[FrameControl] | None = None
     restores: bool = False
     forgets: bool = False
     until_g80: bool = False
-    before: Callable[[Scene], Before] | None = None
+    parts: tuple[type[Before], ...] = ()
+
+    def before(self, scene: Scene) -> Before | None:
+        """What looks at lines before cycles and frames do."""
+        return Chain([part(scene) for part in self.parts]) if self.parts else None
+
+    @property
+    def codes(self) -> set[int]:
+        """All that are written out but for those of frames."""
+        return {*self.cycles, *(code for part in self.parts for code in part.codes)}
 
 
-class CornersAndDirections(Chain):
-    """Of a Fanuc mill."""
-
-    codes = ToolDirections.codes
-
-    def __init__(self, scene: Scene):
-        super().__init__(FanucCorners(scene), ToolDirections(scene))
+def _by_code(*cycles: Cycle) -> dict[int, Cycle]:
+    return {code: cycle for cycle in cycles for code in cycle.codes}
 
 
-class ArcsAndCorners(Chain):
-    """Of Sinumerik."""
+def _haas(synchronised: bool) -> Family:
+    drilling = HaasDrilling(synchronised)
 
-    codes = PlacedArcs.codes + Polynomials.codes
+    class Bolts(BoltHoles):
+        holes = drilling
 
-    def __init__(self, scene: Scene):
-        super().__init__(
-            BlockFeed(scene),
-            SiemensDirections(scene),
-            Openings(scene),
-            PlacedArcs(scene),
-            Polynomials(scene),
-        )
-
-
-class LatheBlocksAndCorners(Chain):
-    """Of an Okuma lathe."""
-
-    codes = LatheBlocks.codes
-
-    def __init__(self, scene: Scene):
-        super().__init__(LatheBlocks(scene), FanucCorners(scene))
-
-
-class CornersHolesAndPoles(Chain):
-    """Of Heidenhain's DIN/ISO."""
-
-    codes = IsoCorners.codes + IsoHoles.codes + PoleArcs.codes
-
-    def __init__(self, scene: Scene):
-        super().__init__(IsoCorners(scene), IsoHoles(scene), PoleArcs(scene))
-
-
-def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
-    holes = LinuxcncDrilling(synchronised)
-    cycles: dict[int, Cycle] = dict.fromkeys([*ACTIONS, *REFUSED], holes)
-    turning = dict.fromkeys((700, 710, 711, 712, 720, 721, 722), LinuxcncTurning())
-    splines = Splines()
-    cycles |= dict.fromkeys(splines.codes, splines)
-    return Family(cycles | {760: LinuxcncThread()} | turning, LinuxcncRotation)
-
-
-def grblhal(dialect: Dialect, synchronised: bool) -> Family:
-    """Its holes and threads stay: they are not measured."""
-    splines = Splines(nurbs=False)
-    return Family(dict.fromkeys(splines.codes, splines))
-
-
-def fanuc_mill(dialect: Dialect, synchronised: bool) -> Family:
-    holes = FanucDrilling(synchronised=synchronised)
-    cycles: dict[int, Cycle] = dict.fromkeys([*MILL, *MILL_REFUSED], holes)
-    cycles[NURBS] = FanucNurbs()
-    return Family(cycles, FanucFrames, restores=True, before=CornersAndDirections)
-
-
-def haas(dialect: Dialect, synchronised: bool) -> Family:
-    holes = HaasDrilling(synchronised)
-    cycles: dict[int, Cycle] = dict.fromkeys([*MILL, *MILL_REFUSED], holes)
-    cycles |= dict.fromkeys((CLOCKWISE, COUNTER), CircularPocket())
-    cycles |= {ENGRAVING: Engraving(), POCKET: Pocket()}
-
-    class BoltsAndCorners(Chain):
-        codes = BoltHoles.codes
-
-        def __init__(self, scene: Scene):
-            super().__init__(BoltHoles(scene, holes), FanucCorners(scene))
-
-    return Family(cycles, HaasFrames, restores=True, before=BoltsAndCorners)
-
-
-def fanuc_lathe(dialect: Dialect, synchronised: bool) -> Family:
-    system = next((s for s in SYSTEMS if dialect.name.endswith("-" + s)), "b")
-    turning = _turning(system)
-    return replace(
-        turning, cycles=dict.fromkeys(LATHE, LatheDrilling(synchronised)) | turning.cycles
-    )
-
-
-def haas_lathe(dialect: Dialect, synchronised: bool) -> Family:
-    """Turning as in system A; R of its holes is a place, unlike Fanuc's."""
-    turning, holes = _turning("a", haas=True), HaasLatheDrilling(synchronised)
-    return replace(turning, cycles=dict.fromkeys(HAAS_LATHE, holes) | turning.cycles)
-
-
-def _turning(system: str, haas: bool = False) -> Family:
-    finish, rough, face, repeat, peck, groove, thread, turn, single, end = SYSTEMS[system]
-    roles = {finish: "finish", rough: "rough", face: "face", repeat: "repeat"}
-    cycles: dict[int, Cycle] = dict.fromkeys(roles, Repetitive(roles, haas))
-    cycles |= {peck: Grooving("Z", haas), groove: Grooving("X", haas)}
-    cycles |= {
-        thread: Stays(False),
-        turn: Turn(False, haas),
-        single: Stays(True),
-        end: Turn(True, haas),
-    }
-    return Family(cycles, restores=True, before=FanucCorners)
+    cycles = _by_code(drilling, CircularPocket(), Engraving(), Pocket())
+    return Family(cycles, HaasFrames, restores=True, parts=(Bolts, FanucCorners))
 
 
 SYSTEMS = {  # G70 to G76 and G90 G92 G94, as the three G-code systems of a Fanuc lathe have them
@@ -245,60 +98,62 @@ SYSTEMS = {  # G70 to G76 and G90 G92 G94, as the three G-code systems of a Fanu
 }
 
 
-def siemens(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(control=SiemensFrames, before=ArcsAndCorners)
+def _lathe(holes: Cycle, system: str, haas: bool = False) -> Family:
+    finish, rough, face, repeat, peck, groove, thread, turn, single, end = SYSTEMS[system]
+    roles = {finish: "finish", rough: "rough", face: "face", repeat: "repeat"}
+    cycles = _by_code(
+        holes,
+        Repetitive(roles, haas),
+        Grooving((peck,), "Z", haas),
+        Grooving((groove,), "X", haas),
+        Stays((thread,), False),
+        Turn((turn,), False, haas),
+        Stays((single,), True),
+        Turn((end,), True, haas),
+    )
+    return Family(cycles, restores=True, parts=(FanucCorners,))
 
 
-def heidenhain_iso(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(before=CornersHolesAndPoles)
-
-
-def heidenhain(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(before=KlartextTurns)
-
-
-def marlin(dialect: Dialect, synchronised: bool) -> Family:
-    return Family({SPLINE: MarlinSpline()})
-
-
-def fagor(dialect: Dialect, synchronised: bool) -> Family:
-    holes = FagorDrilling(synchronised)
-    return Family(dict.fromkeys([*FAGOR, TAP], holes), forgets=True, until_g80=True)
-
-
-def fadal(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(dict.fromkeys(FADAL, FadalDrilling(synchronised)), restores=True)
-
-
-def okuma(dialect: Dialect, synchronised: bool) -> Family:
+def _okuma(synchronised: bool) -> Family:
     holes = OkumaDrilling(synchronised)
-    cycles: dict[int, Cycle] = dict.fromkeys([*OKUMA, *TAPS], holes)
-    return Family(cycles | {LEVEL: ReturnLevel(holes)}, forgets=True)
+    return Family(_by_code(holes, ReturnLevel(holes)), forgets=True)
 
 
-def okuma_lathe(dialect: Dialect, synchronised: bool) -> Family:
-    threads: dict[int, Cycle] = dict.fromkeys((310, 320, 330), Stays(True))
-    threads |= dict.fromkeys((710, 720, 770, 780), Stays(False))
-    cycles = threads | {DRILL: LiveDrilling(), 730: OkumaGrooving("X"), 740: OkumaGrooving("Z")}
-    return Family(cycles, forgets=True, before=LatheBlocksAndCorners)
+def _okuma_lathe(synchronised: bool) -> Family:
+    threads = Stays((310, 320, 330), True), Stays((710, 720, 770, 780), False)
+    grooves = OkumaGrooving((730,), "X"), OkumaGrooving((740,), "Z")
+    cycles = _by_code(*threads, *grooves, LiveDrilling())
+    return Family(cycles, forgets=True, parts=(LatheBlocks, FanucCorners))
 
 
-# the longest prefix of the dialect's name holds
-FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {
-    "linuxcnc": linuxcnc,
-    "grblhal": grblhal,
-    "fanuc": fanuc_mill,
-    "fanuc-lathe": fanuc_lathe,
-    "siemens": siemens,
-    "marlin": marlin,
-    "heidenhain": heidenhain,
-    "heidenhain-iso": heidenhain_iso,
-    "haas": haas,
-    "haas-lathe": haas_lathe,
-    "fadal": fadal,
-    "fagor": fagor,
-    "okuma": okuma,
-    "okuma-lathe": okuma_lathe,
+SIEMENS = (BlockFeed, SiemensDirections, Openings, PlacedArcs, Polynomials)
+# By the beginning of a dialect's name, the longest of which holds. On grblHAL holes and threads
+# stay: they are not measured. On Haas lathes R of holes is a place, unlike on Fanuc's.
+FAMILIES: dict[str, Callable[[bool], Family]] = {
+    "linuxcnc": lambda s: Family(
+        _by_code(LinuxcncDrilling(s), Splines(), LinuxcncThread(), LinuxcncTurning()),
+        LinuxcncRotation,
+    ),
+    "grblhal": lambda s: Family(_by_code(Splines(nurbs=False))),
+    "fanuc": lambda s: Family(
+        _by_code(FanucDrilling(s), FanucNurbs()),
+        FanucFrames,
+        restores=True,
+        parts=(FanucCorners, ToolDirections),
+    ),
+    "fanuc-lathe": lambda s: _lathe(LatheDrilling(s), "b"),
+    "fanuc-lathe-a": lambda s: _lathe(LatheDrilling(s), "a"),
+    "fanuc-lathe-c": lambda s: _lathe(LatheDrilling(s), "c"),
+    "siemens": lambda s: Family(control=SiemensFrames, parts=SIEMENS),
+    "marlin": lambda s: Family(_by_code(MarlinSpline())),
+    "heidenhain": lambda s: Family(parts=(KlartextTurns,)),
+    "heidenhain-iso": lambda s: Family(parts=(IsoCorners, IsoHoles, PoleArcs)),
+    "haas": _haas,
+    "haas-lathe": lambda s: _lathe(HaasLatheDrilling(s), "a", haas=True),
+    "fadal": lambda s: Family(_by_code(FadalDrilling(s)), restores=True),
+    "fagor": lambda s: Family(_by_code(FagorDrilling(s)), forgets=True, until_g80=True),
+    "okuma": _okuma,
+    "okuma-lathe": _okuma_lathe,
 }
 
 
@@ -307,6 +162,6 @@ def family(dialect: Dialect, synchronised: bool = False) -> Family:
     found = max((p for p in FAMILIES if dialect.name.startswith(p)), key=len, default="")
     if not found:
         return Family()
-    every = FAMILIES[found](dialect, synchronised)
+    every = FAMILIES[found](synchronised)
     known = {code_number(code.word) for code in dialect.codes}
     return replace(every, cycles={n: cycle for n, cycle in every.cycles.items() if n in known})

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from postproc.nc.cycles.affine import AXES, Point
-from postproc.nc.cycles.block import Block, Word, number_of
-from postproc.nc.cycles.moves import END_OF_PROGRAM_OR_STOP
+from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.moves import END_OF_PROGRAM_OR_STOP, own_words
 from postproc.nc.cycles.pole_arc import Arc, by_radius, ends
 from postproc.nc.cycles.scene import CENTRES, COUNTER, Scene
 from postproc.nc.expand.tracker import number
@@ -54,7 +54,6 @@ def lines(
     yield from _written(scene, block, motion, (start, to), ends(scene, arc), mixed)
 
 
-# Whole: first and last line differ from the others by the block's own words.
 def _written(
     scene: Scene,
     block: Block,
@@ -68,11 +67,7 @@ def _written(
     (first, second, third), (start, to) = scene.plane, between
     code, written = b"G1", dict(start)
     decimals = {x: scene.decimals(x) + (MORE_DECIMALS if x in mixed else 0) for x in AXES}
-    own = {
-        i
-        for i, w in enumerate(block.words)
-        if w.letter in (*AXES, *CENTRES.values(), "R", "CR") or number_of(w) == motion
-    }
+    own = own_words(block, (*AXES, *CENTRES.values(), "R", "CR"), (motion,))
     place = min(own)
     late = [w for w in block.words if w.letter == "M" and w.value in END_OF_PROGRAM_OR_STOP]
     own |= {block.words.index(w) for w in late}

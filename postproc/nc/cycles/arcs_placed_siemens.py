@@ -19,7 +19,10 @@ import re
 from typing import NamedTuple
 
 from postproc.nc.codes import code_number
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.moves import own_words
+from postproc.nc.cycles.pole_arc import centre_of
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, PLANES, Scene
 from postproc.nc.expand import Line
 
@@ -45,14 +48,13 @@ class Touching(NamedTuple):
     way: complex
 
 
-class PlacedArcs:
+class PlacedArcs(Before):
     """Writes CIP and CT as G2 and G3."""
 
-    codes: tuple[int, ...] = (CIP, CT)
-    rigid = False
+    codes = (CIP, CT)
 
     def __init__(self, scene: Scene):
-        self.scene = scene
+        super().__init__(scene)
         self.motion = 0  # CIP or CT, while it holds
         self.before: Touching | None = None
         self.watches: bool | None = None  # whether the text has one of the two
@@ -63,31 +65,24 @@ class PlacedArcs:
             self.watches = any(FOUND.search(text) for text in self.scene.lines())
         return self.watches or bool(FOUND.search(line.text))
 
-    def finish(self) -> list[Line]:
-        return []
-
-    def take(self, line: Line) -> list[Line]:
-        """The line as it can be followed. Raises ProgramError."""
-        scene = self.scene
+    def written(self, block: Block) -> list[bytes]:
+        """The block as it can be followed. Raises ProgramError."""
         self.watches = True
-        if scene.passes(line.text):
-            return [line]
-        scene.block = block = Block.of(line.text, scene.dialect.grammar)
         if not block.plain:
             self.before = None
-            return [line]
-        own = scene.own_codes(block, "motion")
+            return [block.text]
+        own = self.scene.own_codes(block, "motion")
         if own:
             self.motion = own[-1] if own[-1] in NAMES else 0
         moves = any(w.letter in WITHIN or w.letter in WITHIN.values() for w in block.words)
         if not self.motion:
             self.before = self._touching(block, own) if moves else self._outlasting(block)
-            return [line]
+            return [block.text]
         plane = PLANES.get(self.scene.code_of(block, "plane"), PLANES[170])
         if not moves:  # the code alone, or nothing of ours
             self.before = self._outlasting(block)
-            return [line._replace(text=self._without_code(block))]
-        return [line._replace(text=self._arc(block, plane))]
+            return [self._without_code(block)]
+        return [self._arc(block, plane)]
 
     # -- the segment before ------------------------------------------------------------------------
 
@@ -128,13 +123,11 @@ class PlacedArcs:
         """The centre of an arc by I J K or CR=."""
         radius = block.get("CR")
         if radius is not None:
-            chord = end - start
-            height = radius * radius - abs(chord) ** 2 / 4
-            if abs(chord) < NEAR or height < 0:
+            chord = abs(end - start)
+            if chord < NEAR or radius * radius < chord**2 / 4:
                 return None
-            side = 1 if (radius > 0) == counter else -1
-            across: complex = 1j * side * chord / abs(chord) * height**0.5
-            return start + chord / 2 + across
+            points = (start.real, start.imag), (end.real, end.imag)
+            return complex(*centre_of(*points, radius, 1 if counter else -1))
         own = [block.word(CENTRES[x]) for x in plane]
         if not any(own):
             return None
@@ -165,7 +158,7 @@ class PlacedArcs:
         else:
             middle, counter = self._tangential(plane[:2], start, end)
         self.before = Touching(plane[:2], end, (end - middle) * (1j if counter else -1j))
-        return self._written(block, plane[:2], middle - start, counter)
+        return self._centred(block, plane[:2], middle - start, counter)
 
     def _in_plane(self, block: Block, plane: tuple[str, str, str], name: str) -> None:
         """Raises ProgramError where an end or a point lies beside the plane."""
@@ -212,26 +205,21 @@ class PlacedArcs:
         radius = abs(chord) ** 2 / (2 * across)
         return start + normal * radius, radius > 0
 
-    def _written(
+    def _centred(
         self, block: Block, plane: tuple[str, ...], middle: complex, counter: bool
     ) -> bytes:
         scene = self.scene
-        out = {
-            i
-            for i, w in enumerate(block.words)
-            if w.letter in WITHIN.values() or w.letter in NAMES.values()
-        }
+        out = own_words(block, (*WITHIN.values(), *NAMES.values()))
         words = [b"G3" if counter else b"G2"]
         words += [
             scene.text(CENTRES[x], v)
             for x, v in zip(plane, (middle.real, middle.imag), strict=True)
         ]
-        at = next((i for i in sorted(out)), 0)
         first = next((i for i, w in enumerate(block.words) if w.letter != "N"), 0)
-        return block.written(out, b" ".join(words), min(at, first) if out else first)
+        return block.written(out, b" ".join(words), min([*out, first]))
 
     def _without_code(self, block: Block) -> bytes:
-        out = {i for i, w in enumerate(block.words) if w.letter in NAMES.values()}
+        out = own_words(block, NAMES.values())
         return block.written(out) if out else block.text
 
     # -- words -------------------------------------------------------------------------------------
@@ -250,10 +238,10 @@ class PlacedArcs:
         start: complex,
     ) -> complex:
         """A point of the plane by its words; a missing one leaves its axis."""
-        at = [start.real, start.imag]
-        for k, (letter, axis) in enumerate(zip(letters, axes, strict=True)):
-            word = block.word(letter)
-            if word is not None:
-                value = self.scene.length(word, axis) / self.scene.double(axis)
-                at[k] = at[k] + value if self._by(block, word) else value
-        return complex(*at)
+        by = self.scene.code_of(block, "distance") == 910
+        return complex(
+            *(
+                self.scene.goes(block.word(letter), axis, here, by)
+                for letter, axis, here in zip(letters, axes, (start.real, start.imag), strict=True)
+            )
+        )

@@ -11,7 +11,9 @@ from __future__ import annotations
 import math
 import re
 
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, PLANES, Scene
 from postproc.nc.expand import Line
 
@@ -20,23 +22,17 @@ NEAR = 1e-9
 WRITE = "write the arc with its end and its centre I J K"
 
 
-class Openings:
+class Openings(Before):
     """Writes AR= out."""
 
-    codes: tuple[int, ...] = ()
-    rigid = False
-
     def __init__(self, scene: Scene):
-        self.scene = scene
+        super().__init__(scene)
         self.plane = PLANES[170]  # the axes of the block at hand
         self.incremental = False  # whether its words are distances
 
     def wants(self, line: Line) -> bool:
         """Whether a line must go through here."""
         return b"=" in line.text and bool(FOUND.search(line.text))
-
-    def finish(self) -> list[Line]:
-        return []
 
     def take(self, line: Line) -> list[Line]:
         """The line as it can be followed. Raises ProgramError."""
@@ -99,9 +95,7 @@ class Openings:
     def _with(self, block: Block, end: dict[str, float], middle: complex) -> bytes:
         """The block with its end and with the centre, from the start, in place of AR."""
         scene, names = self.scene, self.plane[:2]
-        out = {
-            i for i, w in enumerate(block.words) if w.letter in ("AR", *(CENTRES[x] for x in names))
-        }
+        out = own_words(block, ("AR", *(CENTRES[x] for x in names)))
         words = []
         for x, value in end.items():
             value *= self.scene.double(x)

@@ -2,32 +2,57 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
 
 
-class Chain:
-    """Several of them as one: what one hands on, the next one takes. `codes`: those that they write
-    out."""
+class Before:
+    """`codes`: those that it writes out; `rigid`: whether what it wrote last has a size of its own,
+    which no frame may scale."""
 
     codes: tuple[int, ...] = ()
+    rigid = False
 
-    def __init__(self, *parts: Any):
-        self.parts = parts
-        self.rigid = False
+    def __init__(self, scene: Scene):
+        self.scene = scene
 
     def wants(self, line: Line) -> bool:
         """Whether a line must go through here."""
+        return True
+
+    def take(self, line: Line) -> list[Line]:
+        """Lines that can be followed: what stands for its block. Raises ProgramError."""
+        if self.scene.passes(line.text):
+            return [line]
+        block = self.scene.block = Block.of(line.text, self.scene.dialect.grammar)
+        return [line._replace(text=text) for text in self.written(block)]
+
+    def written(self, block: Block) -> list[bytes]:
+        """The blocks that stand for one. Raises ProgramError."""
+        raise NotImplementedError
+
+    def finish(self) -> list[Line]:
+        """What is still held back where the program ends."""
+        return []
+
+
+class Chain(Before):
+    """Several of them as one: what one hands on, the next one takes."""
+
+    def __init__(self, parts: Sequence[Before]):
+        self.parts = parts
+
+    def wants(self, line: Line) -> bool:
         return any(part.wants(line) for part in self.parts)
 
     def take(self, line: Line) -> list[Line]:
-        """Lines that can be followed. Raises ProgramError."""
         self.rigid = False
         return self._through([line], 0)
 
     def finish(self) -> list[Line]:
-        """What is still to come where the program ends."""
         lines: list[Line] = []
         for k, part in enumerate(self.parts):
             lines += self._through(part.finish(), k + 1)
@@ -38,9 +63,9 @@ class Chain:
             lines = [new for line in lines for new in self._one(part, line)]
         return lines
 
-    def _one(self, part: Any, line: Line) -> list[Line]:
+    def _one(self, part: Before, line: Line) -> list[Line]:
         if not part.wants(line):
             return [line]
-        lines: list[Line] = part.take(line)
+        lines = part.take(line)
         self.rigid |= part.rigid
         return lines

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
@@ -17,24 +18,17 @@ FOR_ONE_BLOCK = re.compile(rb"(?<![A-Za-z0-9_])FB[ \t]*=" + NUMBER, re.IGNORECAS
 FEED = re.compile(rb"(?<![A-Za-z0-9_])F[ \t]*=?" + NUMBER + rb"(?![A-Za-z_])", re.IGNORECASE)
 
 
-class BlockFeed:
+class BlockFeed(Before):
     """Follows F."""
 
-    rigid = False
-    codes: tuple[int, ...] = ()
-
     def __init__(self, scene: Scene):
-        self.scene = scene
+        super().__init__(scene)
         self.feed = b""  # as the program wrote it last
         self.due = False  # whether another one is in force now
 
     def wants(self, line: Line) -> bool:
         """Lines that name a feed, and the one behind FB."""
         return self.due or b"F" in line.text.upper()
-
-    def finish(self) -> list[Line]:
-        """Nothing is ever held back."""
-        return []
 
     def take(self, line: Line) -> list[Line]:
         """The line, and F before it. Raises ProgramError."""

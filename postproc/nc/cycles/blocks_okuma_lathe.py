@@ -19,11 +19,13 @@ import math
 import re
 
 from postproc.nc.cycles import drawing_fanuc
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.grooving_okuma import without_offset
 from postproc.nc.cycles.lap_okuma import Call, Change, Lap, Shape
-from postproc.nc.cycles.profile import Profile, shape
-from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
+from postproc.nc.cycles.pole_arc import centre_of
+from postproc.nc.cycles.profile import Point, Profile, shape
+from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 from postproc.nc.expand import Line
 
 COMMENT = re.compile(rb"\([^()\n]*\)")
@@ -41,26 +43,18 @@ LENGTHS = ("D", "DA", "DB", "U", "XA", "XB")  # diameters
 NAME = re.compile(rb"(/?[ \t]*)N[A-Z][A-Z0-9]{0,3}(?=[ \t(\r]|$)[ \t]*", re.IGNORECASE)
 
 
-class LatheBlocks:
+class LatheBlocks(Before):
     """Reads the program line by line, and further on where a line calls for it."""
 
-    rigid = False
-    codes: tuple[int, ...] = (800, 810, 820, 840, 850, 860, 870)
+    codes = (800, 810, 820, 840, 850, 860, 870)
 
     def __init__(self, scene: Scene):
-        self.scene, self.lap = scene, Lap(scene)
+        super().__init__(scene)
+        self.lap = Lap(scene)
         self.motion = 0
         self.within = False  # a shape that the control steps over
         # file and line of its blocks, with the numbers that were worked out
         self.passed: dict[tuple[str, int], bytes] = {}
-
-    def wants(self, line: Line) -> bool:
-        """Every line may name the motion code, or begin a shape."""
-        return True
-
-    def finish(self) -> list[Line]:
-        """Nothing is held back."""
-        return []
 
     # Whole: the kinds of lines in their order of precedence.
     def take(self, line: Line) -> list[Line]:
@@ -151,12 +145,15 @@ class LatheBlocks:
         scene.forget()
         scene.note(block)
         axes = scene.plane[:2]
-        start = [scene.at(x) / scene.double(x) for x in axes]
-        end = [_to(scene, block, x, here) for x, here in zip(axes, start, strict=True)]
-        centre = _centre(scene, self.motion, start, end, radius)
+        a, b = (scene.at(x) / scene.double(x) for x in axes)
+        start = a, b
+        a, b = (
+            scene.goes(block.word(x), x, here, scene.incremental)
+            for x, here in zip(axes, start, strict=True)
+        )
+        centre = _centre(scene, self.motion, start, (a, b), radius)
         words = b" ".join(
-            scene.text({"X": "I", "Y": "J", "Z": "K"}[x], c - s)
-            for x, c, s in zip(axes, centre, start, strict=True)
+            scene.text(CENTRES[x], c - s) for x, c, s in zip(axes, centre, start, strict=True)
         )
         at = block.words.index(radius)
         return block.written(set(), changed={at: words})
@@ -288,28 +285,14 @@ def _beside(block: Block) -> bytes:
     )
 
 
-def _to(scene: Scene, block: Block, axis: str, here: float) -> float:
-    word = block.word(axis)
-    if word is None:
-        return here
-    value = scene.length(word, axis) / scene.double(axis)
-    return here + value if scene.incremental else value
-
-
-def _centre(
-    scene: Scene, motion: int, start: list[float], end: list[float], word: Word
-) -> tuple[float, float]:
+def _centre(scene: Scene, motion: int, start: Point, end: Point, word: Word) -> Point:
     """Of the arc below a half circle."""
     radius = abs(word.value or 0.0)
-    a, b = complex(*start), complex(*end)
-    chord = abs(b - a)
+    chord = math.dist(start, end)
     if chord == 0 or chord / 2 > radius + 1e-3:
         raise scene.fault(
             f"L{word.raw} is too short for an arc over {chord:.4f}",
             "check L and the end point",
             word,
         )
-    height = math.sqrt(max(radius * radius - chord * chord / 4, 0.0))
-    side = 1 if motion == COUNTER else -1
-    centre = (a + b) / 2 + side * height * 1j * (b - a) / chord
-    return centre.real, centre.imag
+    return centre_of(start, end, radius, 1 if motion == COUNTER else -1)

@@ -18,9 +18,11 @@ from __future__ import annotations
 import math
 import re
 
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.drilling_fanuc import HAAS_PECKS, HaasDrilling
 from postproc.nc.cycles.drilling_fanuc import MILL as DRILLING
+from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
 
@@ -32,40 +34,29 @@ NO_HOLE = re.compile(rb"L[ \t]*0+\.?(?![0-9.])", re.IGNORECASE)
 MARK = re.compile(rb"G[ \t]*0*7[ \t]*[01](?![ \t]*[0-9.])", re.IGNORECASE)
 
 
-class BoltHoles:
+class BoltHoles(Before):
     """Patterns of holes; `holes`: the canned cycles of the control."""
 
-    codes: tuple[int, ...] = (CIRCLE, ARC)
-    rigid = False
+    codes = (CIRCLE, ARC)
+    holes: HaasDrilling
 
-    def __init__(self, scene: Scene, holes: HaasDrilling):
-        self.scene, self.holes = scene, holes
+    def __init__(self, scene: Scene):
+        super().__init__(scene)
         self.aside: dict[str, float] = {}  # places in blocks with L0, which nothing moved to
 
     def wants(self, line: Line) -> bool:
         """Whether a line must go through here."""
         return bool(self.aside or MARK.search(line.text) or NO_HOLE.search(line.text))
 
-    def finish(self) -> list[Line]:
-        return []
-
-    def take(self, line: Line) -> list[Line]:
+    def written(self, block: Block) -> list[bytes]:
         """A block to each hole. Raises ProgramError."""
-        scene = self.scene
-        block = Block.of(line.text, scene.dialect.grammar)
         code = next((c for c in block.codes if c in self.codes), 0)
-        if scene.passes(line.text):
-            return [line]
-        scene.block = block
         if not code:
             self._note(block)
-            return [line]
+            return [block.text]
         self._check(block, code)
         words = self._words(block, code)
-        own = {i for i, w in enumerate(block.words) if w.letter in "IJKLXY"}
-        own |= {i for i, w in enumerate(block.words) if w.letter == "G" and w.value == code // 10}
-        first = block.written(own, words[0])
-        return [line._replace(text=text) for text in (first, *words[1:])]
+        return [block.written(own_words(block, "IJKLXY", (code,)), words[0]), *words[1:]]
 
     def _note(self, block: Block) -> None:
         """Keep the places that a block with L0 names, until a block without it names others."""

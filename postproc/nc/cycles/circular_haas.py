@@ -15,7 +15,7 @@ gone to is not certain; other planes.
 from __future__ import annotations
 
 from postproc.nc.cycles.block import Block, Word
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
@@ -33,19 +33,11 @@ WORDS = {
 NEAR = 1e-9
 
 
-class CircularPocket:
+class CircularPocket(Cycle):
     """G12 G13."""
 
-    modal = False
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        return (Form("a pocket cycle", WORDS),)
-
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
+    codes = (CLOCKWISE, COUNTER)
+    form = Form("a pocket cycle", WORDS)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a pocket. Raises ProgramError."""
@@ -124,13 +116,4 @@ class CircularPocket:
                 f"the tool of {name} has no radius",
                 "name it by D, or D0 for the path of its centre",
             )
-        if number == 0:
-            return 0.0
-        radius = scene.tracker.offset(f"D{number:g}", "R")
-        if radius is None:
-            raise scene.fault(
-                f"the tool's radius D{number:g} of {name} is not stated",
-                f"say it in mm: --offset D{number:g}=R5",
-                block.word("D"),
-            )
-        return radius / 25.4 if scene.inch else radius
+        return scene.tool_radius(name, block) if number else 0.0

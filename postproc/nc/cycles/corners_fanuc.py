@@ -29,6 +29,7 @@ from postproc.nc.cycles.drawing_fanuc import (
     split,
     without_comma,
 )
+from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
 
@@ -79,13 +80,12 @@ class FanucCorners(Corners):
         return self._drawn(block, names)
 
     def _ends(self, names: tuple[str, ...]) -> str:
-        by = {x: u for u, x in self.scene.dialect.increments.items()}
-        return "".join(names) + "".join(by.get(x, "") for x in names)
+        return "".join(map(self._own, names))
 
     def _drawn(self, block: Block, names: tuple[str, ...]) -> Block:
         """A straight feed without the words that only a drawing has. Raises ProgramError."""
         scene = self.scene
-        out = {i for i, w in enumerate(block.words) if w.letter in self.letters}
+        out = own_words(block, self.letters)
         if not out:
             return block
         corners = [block.words[i] for i in out if block.words[i].letter in "CRIK"]
@@ -94,7 +94,7 @@ class FanucCorners(Corners):
         for word in corners:
             self.own = self._corner_word(word.letter, word.value or 0.0, word.raw)
             if word.letter in "IK":
-                one_way(scene, word, [w.letter for w in block.words], self._own)
+                one_way(scene, word, [w.letter for w in block.words])
                 sign = "-" * word.raw.startswith("-")
                 self.own = replace(self.own, letter=word.letter + sign)
         return Block.of(block.written(out, self._by_angle(block, names)), scene.dialect.grammar)
@@ -145,7 +145,7 @@ class FanucCorners(Corners):
 
     def _own(self, axis: str) -> str:
         """The letters that say where an axis goes."""
-        return axis + {x: u for u, x in self.scene.dialect.increments.items()}.get(axis, "")
+        return axis + self.scene.increment(axis)
 
     def _words(self, block: Block) -> tuple[float | None, Word | None, Block]:
         """Nothing modal, the block's own corner, and the block without it."""

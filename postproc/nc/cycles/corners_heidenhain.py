@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import re
 
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.klartext_corners import Corners, Held
 from postproc.nc.cycles.moves import own_words
@@ -27,28 +28,23 @@ NAMES = {CHAMFER: "G24", ROUNDING: "G25"}
 ACROSS = "ZABCUVWIJKHRLQ"  # in a line that leaves the plane, or is none
 CORNER = re.compile(rb"(?<![A-Z])G[ \t]*0*2[45](?![0-9.])", re.IGNORECASE)
 LABEL = re.compile(rb"(?<![A-Z;])L[ \t]*[0-9]+[ \t]*,", re.IGNORECASE)
-PLACE = re.compile(rb"([XY])\+?(-?[0-9.]+)")
 WRITE = "write the corner out as G01"
 
 
-class IsoCorners:
+class IsoCorners(Before):
     """Holds a straight feed with a corner back until the next block is known. `corner`: its name,
     size and feed; `start`: where the line begins; `feed`, `motion`: in force."""
 
-    rigid = False
-    codes: tuple[int, ...] = (CHAMFER, ROUNDING)
+    codes = (CHAMFER, ROUNDING)
 
     def __init__(self, scene: Scene):
-        self.scene, self.corners = scene, Corners(scene)
+        super().__init__(scene)
+        self.corners = Corners(scene)
         self.held: tuple[Line, Block] | None = None
         self.corner: tuple[str, float, bytes] | None = None
         self.start: Point = (0.0, 0.0)
         self.feed, self.motion = b"", -1
         self.before: set[int] | None = None  # source lines with a corner behind them
-
-    def wants(self, line: Line) -> bool:
-        """Every line may be one with a corner."""
-        return True
 
     def finish(self) -> list[Line]:
         """A line that has no next one."""
@@ -140,13 +136,17 @@ class IsoCorners:
         kind = "CHF" if name == NAMES[CHAMFER] else "RND"
         corner = self._end(before, self.start)
         held = Held(b"", self.start, corner, kind, size, b"")
-        _, lines = self.corners.cut(held, self._end(block, corner), name)
+        end, points = self.corners.cut(held, self._end(block, corner), name)
         self.held = self.corner = None
+        if not points:
+            return [line]
         star = line.text.partition(b"*")[1:]
-        places = [b" ".join(b"%s%s" % p for p in PLACE.findall(text)) for text, _ in lines]
-        own = own_words(before, "XY", set())
-        first = before.written(own, places[0]) + b"".join(star)
-        places[1] += b" F" + feed if feed else b""
-        return [
-            line._replace(text=text) for text in (first, *(b"G01 " + p + b"*" for p in places[1:]))
-        ]
+        texts = [before.written(own_words(before, "XY"), self._words(end)) + b"".join(star)]
+        for k, point in enumerate(points):
+            own = b" F" + feed if feed and not k else b""
+            texts.append(b"G01 " + self._words(point) + own + b"*")
+        return [line._replace(text=text) for text in texts]
+
+    def _words(self, place: Point) -> bytes:
+        texts = (self.scene.text(x, v) for x, v in zip("XY", place, strict=True))
+        return b" ".join(text.rstrip(b".") for text in texts)

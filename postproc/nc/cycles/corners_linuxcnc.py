@@ -14,7 +14,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from postproc.nc.cycles.offset import SMALLEST_GAP, TOUCHING, meeting, moved_aside, tangent
+from postproc.nc.cycles.offset import SMALLEST_GAP, TOUCHING, meeting, moved_aside
+from postproc.nc.cycles.pocket_path import across
 from postproc.nc.cycles.profile import Element, Point
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 
@@ -47,10 +48,9 @@ def finished(
         if not (_within(before, ends[0]) and _within(after, ends[1])):
             raise _refused(scene, finish, "it is longer than an element beside it")
         before, after = replace(before, end=ends[0]), replace(after, start=ends[1])
-        a, b = tangent(before, True), tangent(after, False)
         code = LINE
         if finish.letter == "A":
-            code = COUNTER if a[0] * b[1] - a[1] * b[0] > 0 else CLOCKWISE
+            code = COUNTER if across(before.piece, after.piece) > 0 else CLOCKWISE
         result += [before, Element(code, ends[0], ends[1], (), centre, before.row), after]
     return result
 
@@ -84,7 +84,7 @@ def _nearest(e: Element, centre: Point) -> Point:
             e.centre[0] + (centre[0] - e.centre[0]) * share,
             e.centre[1] + (centre[1] - e.centre[1]) * share,
         )
-    t = tangent(e, False)
+    t = e.piece.tangent(False)
     way = (centre[0] - e.start[0]) * t[0] + (centre[1] - e.start[1]) * t[1]
     return e.start[0] + way * t[0], e.start[1] + way * t[1]
 

@@ -19,9 +19,12 @@ import re
 from dataclasses import dataclass
 from typing import ClassVar
 
+from postproc.nc.cycles.before import Before
+from postproc.nc.cycles.bend import NEAR, bent
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.drawing_fanuc import on_line
 from postproc.nc.cycles.frames import CORNERS
+from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import CENTRES, Scene
 from postproc.nc.expand import Line
 from postproc.nc.expand.tracker import number
@@ -31,7 +34,6 @@ FEED = 10
 ENDS = (2, 17, 30)
 IDLE = "NMFSTHD"  # letters of blocks between the lines of a corner
 WRITE = "write the corner out"
-NEAR = 1e-9
 ROUND, CHAMFER, LENGTH = "radius", "way to the corner", "length of the chamfer"
 
 
@@ -52,17 +54,16 @@ class Held:
     modal: bool
 
 
-class Corners:
+class Corners(Before):
     """Holds a line back until the next one says which corner it makes. `kinds`: what each word of a
     corner is; `sign`: what stands between it and its size."""
 
-    codes: tuple[int, ...] = ()
     rigid = True
     kinds: ClassVar[dict[str, str]] = {"RND": ROUND, "CHR": CHAMFER, "CHF": LENGTH}
     sign = "="
 
     def __init__(self, scene: Scene):
-        self.scene = scene
+        super().__init__(scene)
         self.held: Held | None = None
         self.modal = 0.0  # of RNDM
 
@@ -134,7 +135,7 @@ class Corners:
         k = names.index(axis)
         at = on_line(scene, start, block.get("ANG") or 0.0, place[0], place[1])[k]
         new = scene.text(axis, (at - start[k] * self._distances(block)) * scene.double(axis))
-        out = {i for i, w in enumerate(block.words) if w.letter == "ANG"}
+        out = own_words(block, ("ANG",))
         return Block.of(block.written(out, new), scene.dialect.grammar)
 
     def _switches(self, block: Block) -> bool:
@@ -155,7 +156,7 @@ class Corners:
             raise scene.fault(
                 f"{found[0].letter} and {found[1].letter} in one block", "keep one", found[1]
             )
-        out = {i for i, w in enumerate(block.words) if w.letter in CORNERS}
+        out = own_words(block, CORNERS)
         rndm = block.get("RNDM")
         plain = Block.of(block.written(out), scene.dialect.grammar) if out else block
         return rndm, self._sized(found[0] if found else None), plain
@@ -246,13 +247,9 @@ class Corners:
     def _end(
         self, block: Block, names: tuple[str, ...], start: tuple[float, float]
     ) -> tuple[float, float]:
-        place = list(start)
-        for i, axis in enumerate(names):
-            word = block.word(axis)
-            if word is not None:
-                value = self.scene.length(word, axis) / self.scene.double(axis)
-                place[i] = value + start[i] if self._relative(block, word) else value
-        return place[0], place[1]
+        by = self._distances(block)
+        x, y = (self.scene.goes(block.word(a), a, s, by) for a, s in zip(names, start, strict=True))
+        return x, y
 
     def _moved(
         self,
@@ -294,32 +291,24 @@ class Corners:
     ) -> tuple[tuple[float, float], Block, list[Line]]:
         """Where the next line begins then, its block, and the lines up to there."""
         scene = self.scene
-        before = held.start[0] - corner[0], held.start[1] - corner[1]
-        behind = end[0] - corner[0], end[1] - corner[1]
-        lengths = math.hypot(*before), math.hypot(*behind)
-        if min(lengths) < NEAR:
+        bend = bent(held.start, corner, end)
+        if bend.length < NEAR:
             raise scene.fault(f"{held.word} at a line without length", WRITE)
-        a = before[0] / lengths[0], before[1] / lengths[0]
-        b = behind[0] / lengths[1], behind[1] / lengths[1]
-        turn = a[0] * b[1] - a[1] * b[0]
-        # between the lines: pi where they go on straight
-        angle = math.atan2(abs(turn), a[0] * b[0] + a[1] * b[1])
-        if math.pi - angle < NEAR:
+        if bend.straight:
             return corner, block, [held.line, *held.between]
-        if angle < NEAR:
+        if bend.back:
             raise scene.fault(f"{held.word} where the line runs back", WRITE)
         away = {
-            ROUND: lambda: held.size / math.tan(angle / 2), CHAMFER: lambda: held.size,
-            LENGTH: lambda: held.size / 2 / math.sin(angle / 2),
-        }[self.kinds[held.word]]()  # fmt: skip
-        if away > min(lengths) + NEAR:
+            ROUND: bend.away(held.size), CHAMFER: held.size,
+            LENGTH: held.size / 2 / math.sin(bend.angle / 2),
+        }[self.kinds[held.word]]  # fmt: skip
+        if away > bend.length + NEAR:
             raise scene.fault(
                 f"{held.word}{self.sign}{held.size:g} begins {away:.4g} before the corner, and a"
-                f" line there has {min(lengths):.4g}",
+                f" line there has {bend.length:.4g}",
                 "the control makes it smaller then: write the corner out",
             )
-        first = corner[0] + away * a[0], corner[1] + away * a[1]
-        second = corner[0] + away * b[0], corner[1] + away * b[1]
+        first, second = bend.ends(away)
         line = self._moved(held.block, names, held.start, first)
         incremental = self._incremental
         words = []
@@ -328,28 +317,14 @@ class Corners:
             words.append(scene.text(axis, value))
         code = b"G1"
         if self.kinds[held.word] == ROUND:
-            code = b"G2" if turn > 0 else b"G3"
-            middle = self._middle(corner, a, b, held.size, angle)
+            code = b"G3" if bend.left else b"G2"
+            middle = bend.centre(held.size)
             words += [scene.text(CENTRES[x], middle[k] - first[k]) for k, x in enumerate(names)]
         skip = b"/" if held.block.skip else b""
         own = any(c == FEED for c in block.codes)
         block = self._moved(block, names, second, end, b"" if own or code == b"G1" else b"G1")
         made = held.line._replace(text=skip + b" ".join([code, *words]))
         return second, block, [held.line._replace(text=line.text), made, *held.between]
-
-    @staticmethod
-    def _middle(
-        corner: tuple[float, float],
-        a: tuple[float, float],
-        b: tuple[float, float],
-        radius: float,
-        angle: float,
-    ) -> tuple[float, float]:
-        """The centre: on the line that halves the angle."""
-        way = a[0] + b[0], a[1] + b[1]
-        length = math.hypot(*way)
-        reach = radius / math.sin(angle / 2)
-        return corner[0] + reach * way[0] / length, corner[1] + reach * way[1] / length
 
 
 def _unless_empty(line: Line, block: Block) -> list[Line]:

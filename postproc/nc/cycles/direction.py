@@ -12,31 +12,25 @@ from collections.abc import Collection
 
 import numpy as np
 
-from postproc.errors import Notice
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import Scene
-from postproc.nc.expand import Line
 from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 
 NEAR = 1e-7  # rad: such directions are one
 
 
-class Directions:
+class Directions(Before):
     """What the controls share. `name`: the call, `letters`: of the vector's words."""
 
     name: str
     letters: Collection[str]
-    rigid = False
 
     def __init__(self, scene: Scene):
-        self.scene = scene
+        super().__init__(scene)
         self.said = False
-
-    def finish(self) -> list[Line]:
-        """What is held back at the end of the program: nothing."""
-        return []
 
     def kinematics(self) -> Kinematics:
         """Of the machine. Raises ProgramError where it can not turn the tool."""
@@ -56,6 +50,11 @@ class Directions:
         """The frame in which the vector is told."""
         frame = self.scene.tracker.state.frame
         return (frame.tip if frame else None) or Space()
+
+    def vector(self, block: Block) -> np.ndarray | None:
+        """(3,) the direction that a block names, a missing component as 0; None: it names none."""
+        named = [block.get(x) for x in self.letters]
+        return np.array([v or 0.0 for v in named]) if any(v is not None for v in named) else None
 
     def directed(self, block: Block, vector: np.ndarray) -> bytes:
         """The block with the words of the rotary axes in the place of the vector's. Raises
@@ -89,7 +88,7 @@ class Directions:
                 x, scene.coordinate(x, int(state.position[row]), state)
             ):
                 words.append(scene.text(x, place))
-        own = own_words(block, self.letters, set())
+        own = own_words(block, self.letters)
         return block.written(own, (b" " if block.spaced else b"").join(words), max(own))
 
     def _pose(self, kinematics: Kinematics, normal: np.ndarray, here: np.ndarray) -> np.ndarray:
@@ -116,5 +115,5 @@ class Directions:
                 f"{self.name}: of the poses with one direction that with the shorter way is"
                 " written; a parameter of the control might choose another"
             )
-            self.scene.notices.append(Notice(self.name, what, self.scene.source))
+            self.scene.tell(self.name, what)
         return best

@@ -13,10 +13,9 @@ do not allow; arcs, G91.
 
 from __future__ import annotations
 
-import numpy as np
-
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.direction import Directions
+from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 from postproc.nc.expand import Line
 
@@ -27,7 +26,7 @@ BY_CAM = "let the CAM program write the rotary axes, under G43.4"
 class ToolDirections(Directions):
     """`on`: whether G43.5 holds."""
 
-    codes: tuple[int, ...] = (ON,)
+    codes = (ON,)
     name, letters = "G43.5", ("I", "J", "K")
 
     def __init__(self, scene: Scene):
@@ -38,22 +37,20 @@ class ToolDirections(Directions):
         """Whether a line must go through here."""
         return self.on or b"43" in line.text
 
-    def take(self, line: Line) -> list[Line]:
-        """The line as G43.4 would have it. Raises ProgramError."""
-        scene = self.scene
-        if scene.passes(line.text):
-            return [line]
-        block = Block.of(line.text, scene.dialect.grammar)
-        scene.block = block
-        begins = ON in block.codes
-        if begins:
-            return [line._replace(text=self._begin(block))]
-        if self.on and any(scene.group_of(c) in LENGTHS for c in block.codes):
+    def written(self, block: Block) -> list[bytes]:
+        """The block as G43.4 would have it. Raises ProgramError."""
+        if ON in block.codes:
+            return [self._begin(block)]
+        if self.on and any(self.scene.group_of(c) in LENGTHS for c in block.codes):
             self.on = False
-        vector = [block.get(x) for x in "IJK"]
-        if not self.on or all(v is None for v in vector):
-            return [line]
-        return [line._replace(text=self._directed(block, np.array([v or 0.0 for v in vector])))]
+        vector = self.vector(block)
+        if not self.on or vector is None:
+            return [block.text]
+        if self.scene.code_of(block, "motion") in (CLOCKWISE, COUNTER):
+            raise self.scene.fault(
+                "an arc under G43.5, whose I J K could be a centre or a direction", BY_CAM
+            )
+        return [self.directed(block, vector)]
 
     def _begin(self, block: Block) -> bytes:
         """G43.5 as G43.4."""
@@ -69,18 +66,4 @@ class ToolDirections(Directions):
                 wrong,
             )
         self.on = True
-        at = next(
-            i
-            for i, w in enumerate(block.words)
-            if w.letter == "G" and round((w.value or 0) * 10) == ON
-        )
-        return block.written(set(), changed={at: b"G43.4"})
-
-    def _directed(self, block: Block, vector: np.ndarray) -> bytes:
-        """The block with the words of the rotary axes in the place of I J K."""
-        scene = self.scene
-        if scene.code_of(block, "motion") in (CLOCKWISE, COUNTER):
-            raise scene.fault(
-                "an arc under G43.5, whose I J K could be a centre or a direction", BY_CAM
-            )
-        return self.directed(block, vector)
+        return block.written(set(), changed={min(own_words(block, "", (ON,))): b"G43.4"})

@@ -15,8 +15,6 @@ from __future__ import annotations
 
 import re
 
-import numpy as np
-
 from postproc.nc.codes import code_number
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.direction import Directions
@@ -33,7 +31,6 @@ FRAMES = (MACHINE, code_number("ORIWKS"))
 class SiemensDirections(Directions):
     """`on`: whether TRAORI holds; `machine`: whether ORIMKS does."""
 
-    codes: tuple[int, ...] = ()
     name, letters = "TRAORI", ("A3", "B3", "C3")
 
     def __init__(self, scene: Scene):
@@ -47,23 +44,18 @@ class SiemensDirections(Directions):
             return True
         return b"R" in text.upper() and bool(WORDS.search(text))
 
-    def take(self, line: Line) -> list[Line]:
-        """The line with rotary words in the place of a vector. Raises ProgramError."""
-        scene = self.scene
-        if scene.passes(line.text):
-            return [line]
-        block = scene.block = Block.of(line.text, scene.dialect.grammar)
+    def written(self, block: Block) -> list[bytes]:
+        """The block with rotary words in the place of a vector. Raises ProgramError."""
         for code in block.codes:
-            if scene.group_of(code) == "transformation":
+            if self.scene.group_of(code) == "transformation":
                 self.on = code == ON
             elif code in FRAMES:
                 self.machine = code == MACHINE
-        vector = [block.get(x) for x in self.letters]
-        if all(v is None for v in vector):
-            return [line]
+        vector = self.vector(block)
+        if vector is None:
+            return [block.text]
         self._check(block)
-        text = self.directed(block, np.array([v or 0.0 for v in vector]))
-        return [line._replace(text=text)]
+        return [self.directed(block, vector)]
 
     def space(self) -> Space:
         """That of the words: a swivelled plane turns the vector too."""

@@ -12,20 +12,18 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 from postproc.errors import ProgramError
+from postproc.nc.cycles.bend import NEAR, Bend, Point, bent
 from postproc.nc.cycles.block import Block, Word
-from postproc.nc.cycles.scene import COUNTER, Scene
+from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 
 COMMA = re.compile(rb",[ \t]*([CR])[ \t]*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))", re.IGNORECASE)
 COMMENT = re.compile(rb"\([^()\n]*\)|;.*", re.DOTALL)
 ANGLE = re.compile(rb",(?=[ \t]*A)", re.IGNORECASE)
-NEAR = 1e-9
 ACROSS = {"I": "X", "K": "Z"}  # the axis along which a chamfer of this letter ends
-Point = tuple[float, float]
 WRITE = "write its end as X and Z"
 
 
@@ -68,8 +66,7 @@ def corner_of(scene: Scene, block: Block, found: re.Match[bytes] | None) -> Corn
         return None
     letter = words[0].letter
     if letter in ACROSS:
-        by = {x: u for u, x in scene.dialect.increments.items()}
-        one_way(scene, words[0], [w.letter for w in block.words], lambda x: x + by.get(x, ""))
+        one_way(scene, words[0], [w.letter for w in block.words])
         return Corner(False, size, letter + "-" * words[0].raw.startswith("-"))
     return Corner(letter == "R", size)
 
@@ -82,11 +79,12 @@ def elsewhere(scene: Scene, letter: str) -> ProgramError:
     )
 
 
-def one_way(scene: Scene, word: Word, letters: list[str], own: Callable[[str], str]) -> None:
+def one_way(scene: Scene, word: Word, letters: list[str]) -> None:
     """Raises ProgramError unless the block of I or K moves across the axis that it ends along."""
     along = ACROSS[word.letter]
     other = "XZ".replace(along, "")
-    if any(x in own(along) for x in letters) or not any(x in own(other) for x in letters):
+    own = {x: x + scene.increment(x) for x in (along, other)}
+    if any(x in own[along] for x in letters) or not any(x in own[other] for x in letters):
         raise scene.fault(
             f"{word.letter} as a chamfer stands behind a motion of {other} alone",
             "write the corner out",
@@ -141,41 +139,30 @@ def rounded(scene: Scene, elements: list[Any], corners: dict[int, Corner]) -> li
             raise scene.fault(
                 "a corner of the shape at an arc, or behind its last line", "write the corner out"
             )
-        first, second, centre = _corner(scene, corner, e.start, e.end, behind.end)
-        turn = _turn(e.start, e.end, behind.end)
+        bend = bent(e.start, e.end, behind.end)
+        first, second = bend.ends(_away(scene, corner, bend))
         made = replace(e, start=first, end=second, code=e.code)
         if corner.round:
-            code = COUNTER if turn > 0 else 20
+            code, centre = COUNTER if bend.left else CLOCKWISE, bend.centre(corner.size)
             made = replace(made, code=code, centre=centre, words=(scene.text("R", corner.size),))
         result += [replace(e, end=first), made]
         start = second
     return result
 
 
-def _turn(a: Point, b: Point, c: Point) -> float:
-    return (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
-
-
-def _corner(scene: Scene, corner: Corner, a: Point, b: Point, c: Point) -> tuple[Point, ...]:
-    """Where a corner begins and ends, and the centre of its arc."""
-    before, behind = complex(a[0] - b[0], a[1] - b[1]), complex(c[0] - b[0], c[1] - b[1])
-    short = min(abs(before), abs(behind))
-    u, v = (x / abs(x) if short > NEAR else 1.0 + 0j for x in (before, behind))
-    angle = abs(math.atan2((u.conjugate() * v).imag, (u.conjugate() * v).real))
+def _away(scene: Scene, corner: Corner, bend: Bend) -> float:
+    """How far from its point a corner begins. Raises ProgramError."""
     if corner.way:
-        along = v.imag if ACROSS[corner.way[0]] == "X" else v.real
+        along = bend.b.imag if ACROSS[corner.way[0]] == "X" else bend.b.real
         if abs(abs(along) - 1.0) > NEAR or (along < 0) != (corner.way[1:] == "-"):
             raise elsewhere(scene, corner.way[0])
-    if angle < NEAR or math.pi - angle < NEAR:
+    if bend.back or bend.straight:
         raise scene.fault("a corner of the shape where it goes straight on", "take it out")
-    away = corner.size / math.tan(angle / 2) if corner.round else corner.size
-    if away > short + 1e-6:
+    away = bend.away(corner.size) if corner.round else corner.size
+    if away > bend.length + 1e-6:
         raise scene.fault(
             f"a corner of {corner.size:g} begins {away:.4g} before its point, and a line of the"
-            f" shape there has {short:.4g}",
+            f" shape there has {bend.length:.4g}",
             "make it smaller, or write the corner out",
         )
-    at = complex(*b)
-    half = (u + v) / abs(u + v)
-    places = at + away * u, at + away * v, at + corner.size / math.sin(angle / 2) * half
-    return tuple((p.real, p.imag) for p in places)
+    return away

@@ -18,35 +18,19 @@ is in drilling_linuxcnc.py and drilling_fanuc.py.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import ClassVar, NamedTuple
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
 
 from postproc.errors import ProgramError
 from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
 
 MOST_PECKS, MOST_HOLES = 10_000, 10_000
 INITIAL_LEVEL, R_LEVEL = 980, 990
-UNDEFINED = -2
-
-
-class Outcome(NamedTuple):
-    """What a block becomes, what the tracker shall hear instead where the block itself stays (None:
-    the same), the source lines, first and last, that the control steps over behind it, and ten
-    times the motion code in force behind a cycle that is not modal (None: that before it,
-    UNDEFINED: manuals do not say); stays: the tracker follows it as the cycle that it is. loose: an
-    axis that the control may leave elsewhere than the lines do, so that nothing may count from
-    there."""
-
-    lines: list[bytes]
-    heard: list[bytes] | None = None
-    skip: tuple[int, int] | None = None
-    then: int | None = None
-    stays: bool = False
-    loose: str = ""
 
 
 @dataclass(frozen=True)
@@ -179,8 +163,7 @@ WORDS = {
 }
 
 
-@dataclass
-class Drilling:
+class Drilling(Cycle):
     """The drilling cycles of one control, and their data that hold from hole to hole.
 
     `actions`: ten times the G number to what is done; `tapping`: those that are followed and stay;
@@ -190,20 +173,17 @@ class Drilling:
     tapping is written out as feeds too, which no machine may be given (for tests)."""
 
     actions: dict[int, Action]
-    tapping: tuple[int, ...]
-    refused: dict[int, str]
+    tapping: tuple[int, ...] = ()
+    refused: Mapping[int, str] = MappingProxyType({})
+    whole: tuple[int, ...] = ()
     words: str
     late: tuple[int, ...] = ()
-    synchronised: bool = False
-    p: str = ""  # the dwell as it is written
-    code: int = 0  # the cycle in force, 0: none
-    initial: float | None = None  # where the hole's axis stood when the cycles began
-    stays: bool = False  # the last block was passed on, so the control itself is in the cycle
-    kept: bool = True  # every block of the cycles was, so the tracker is in them too
-    held: dict[str, float] = field(default_factory=dict)
-
     modal = True
-    whole: ClassVar[tuple[int, ...]] = ()
+
+    def __init__(self, synchronised: bool = False):
+        self.synchronised = synchronised
+        self.codes = (*self.actions, *self.refused)
+        self.end()
 
     def forms(self, code: int) -> tuple[Form, ...]:
         """The words of a cycle."""
@@ -221,8 +201,13 @@ class Drilling:
 
     def end(self) -> None:
         """G80 or another motion: nothing is remembered."""
-        self.p, self.code, self.initial, self.held = "", 0, None, {}
-        self.stays, self.kept = False, True
+        self.p = ""  # the dwell as it is written
+        self.code = 0  # the cycle in force, 0: none
+        # where the hole's axis stood when the cycles began
+        self.initial: float | None = None
+        self.held: dict[str, float] = {}
+        self.stays = False  # the last block was passed on, so the control itself is in the cycle
+        self.kept = True  # every block of the cycles was, so the tracker is in them too
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""

@@ -12,9 +12,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from postproc.nc.cycles.block import Block
-from postproc.nc.cycles.drilling import KIND, WORDS, Drilling, Job, bore
+from postproc.nc.cycles.drilling import KIND, WORDS, Job, bore
 from postproc.nc.cycles.drilling_fanuc import (
-    AFTER_MOTION,
     HAAS_PECKS,
     MILL,
     SHIFT,
@@ -25,19 +24,13 @@ from postproc.nc.cycles.words import Form, named
 
 TAPPING = (740, 741, 840, 841)
 FINE_BORE = 760
-FADAL = (*(code for code in MILL if code not in (842, 843)), *TAPPING, FINE_BORE)
+PLAIN = {code: action for code, action in MILL.items() if code not in (842, 843)}
 
 
 class FadalDrilling(HaasDrilling):
-    dwells: tuple[int, ...] = (820, 890)
-    whole = (FINE_BORE,)
-
-    def __init__(self, synchronised: bool = False):
-        actions = {**MILL, **dict.fromkeys(TAPPING, bore)}
-        Drilling.__init__(
-            self, actions, TAPPING, {FINE_BORE: SHIFT}, "RPQLIJK", AFTER_MOTION, synchronised
-        )
-        self.repeats = "L"
+    actions = PLAIN | dict.fromkeys(TAPPING, bore)
+    tapping, refused, whole = TAPPING, {FINE_BORE: SHIFT}, (FINE_BORE,)
+    dwells = (820, 890)
 
     def hole_form(self, code: int) -> Form:
         own = {"P": "distance before the next peck"} if code in self.pecking else {}

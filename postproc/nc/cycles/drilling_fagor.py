@@ -14,8 +14,8 @@ these controls go on with the cycle behind G0 and G1.
 from __future__ import annotations
 
 from postproc.nc.cycles.block import Block, Word
-from postproc.nc.cycles.drilling import KIND, R_LEVEL, Action, Drilling, Job, bore, drill, pecks
-from postproc.nc.cycles.drilling_fanuc import AFTER_MOTION, FanucDrilling
+from postproc.nc.cycles.drilling import KIND, Action, Job, bore, drill, pecks
+from postproc.nc.cycles.drilling_fanuc import FanucDrilling
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
 
@@ -27,13 +27,10 @@ PECKS = 830
 class FagorDrilling(FanucDrilling):
     """`held`: "R" and "depth" as programmed coordinates, as on Fanuc; "Q" the peck."""
 
+    actions, tapping, refused = FAGOR | {TAP: bore}, (TAP,), {}
+    words, repeats = "ZIJK", ""
     dwells = (810, 850)
     pecking = (PECKS,)
-
-    def __init__(self, synchronised: bool = False):
-        actions: dict[int, Action] = {**FAGOR, TAP: bore}
-        Drilling.__init__(self, actions, (TAP,), {}, "ZIJK", AFTER_MOTION, synchronised)
-        self.repeats = ""
 
     def hole_form(self, code: int) -> Form:
         takes = {"X": "place", "Y": "place", "Z": "reference plane"}
@@ -82,13 +79,6 @@ class FagorDrilling(FanucDrilling):
 
     def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
         """With all its words, from the initial plane that the control would still know."""
-        if self.stays or not self.code or self.initial is None or scene.code("return") == R_LEVEL:
+        if self.stays or not self.code:
             return [block.text]
-        axis = job.hole.axis
-        if not scene.differs(axis, self.initial):
-            return [block.text]
-        here = scene.at(axis) if scene.incremental else 0.0
-        return [
-            (b"/" if block.skip else b"") + b"G0 " + scene.text(axis, self.initial - here),
-            block.text,
-        ]
+        return [*self.from_initial(scene, block, job.hole.axis), block.text]

@@ -14,10 +14,8 @@ they went in with (5149).
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import ClassVar
 
-from postproc.errors import Notice
-from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.block import Block, Word, without
 from postproc.nc.cycles.drilling import (
     KIND,
     R_LEVEL,
@@ -49,10 +47,10 @@ MILL: dict[int, Action] = {
     860: bore_standing,
     890: bore,
 }
-MILL_TAPPING = (740, 840, 842, 843)
+MILL_TAPPING: tuple[int, ...] = (740, 840, 842, 843)
 SHIFT = "it leaves the wall in a direction that a parameter holds"
 MILL_REFUSED = {760: SHIFT, 870: SHIFT, 880: "the operator draws the tool out by hand"}
-MILL_WHOLE = (760, 880)
+MILL_WHOLE: tuple[int, ...] = (760, 880)
 DWELLS = (820, 880, 890, 740, 840)
 LATHE: dict[int, Action] = {830: pecks, 840: bore, 850: bore, 870: pecks, 880: bore, 890: bore}
 LATHE_TAPPING = (840, 880)
@@ -66,11 +64,11 @@ NO_CLAMPS = (0, 1, 2, 3, 4, 5, 7, 8, 9, 30)
 class FanucDrilling(Drilling):
     """`held`: "R" and "depth" as programmed coordinates, "Q" I J K as written."""
 
-    whole: ClassVar[tuple[int, ...]] = MILL_WHOLE
-
-    def __init__(self, repeats: str = "KL", words: str = "RPQKL", synchronised: bool = False):
-        super().__init__(MILL, MILL_TAPPING, MILL_REFUSED, words, AFTER_MOTION, synchronised)
-        self.repeats = repeats
+    actions, tapping, refused = MILL, MILL_TAPPING, MILL_REFUSED
+    whole, late = MILL_WHOLE, AFTER_MOTION
+    words, repeats = "RPQKL", "KL"
+    dwells: tuple[int, ...] = DWELLS
+    pecking: tuple[int, ...] = (730, 830)
 
     def wants(self, scene: Scene, block: Block) -> bool:
         axes = [*scene.tracker.setup.axes, *scene.dialect.increments, "R"]
@@ -143,7 +141,7 @@ class FanucDrilling(Drilling):
         below = scene.rounded(axis, bottom) < scene.rounded(axis, back) < scene.rounded(axis, r)
         if below and not scene.dialect.level_from_start:
             raise scene.fault(SUNK, SUNK_ADVICE)
-        half = 2 if scene.is_diameter(axis) else 1
+        half = scene.double(axis)
         q = self.held.get("Q", 0.0) * half
         if code in self.pecking and q <= 0 and "I" not in self.held:
             raise scene.fault(
@@ -161,15 +159,13 @@ class FanucDrilling(Drilling):
             retract=min(RETRACT[scene.inch] * half, q or self.held.get("I", 0.0)),
         )
 
-    dwells: tuple[int, ...] = DWELLS
-    pecking: tuple[int, ...] = (730, 830)
-
     def drops(self, scene: Scene, axis: str) -> str:
         return ""
 
     def is_place(self, scene: Scene, word: Word, axis: str) -> bool:
         """Whether a word says where the hole is."""
-        return word.letter in scene.tracker.setup.axes and word.letter != axis
+        meant = scene.dialect.increments.get(word.letter, word.letter)
+        return meant in scene.tracker.setup.axes and meant != axis
 
     def _hold(self, scene: Scene, block: Block, axis: str) -> None:
         """Remember the words for the holes to come."""
@@ -183,8 +179,8 @@ class FanucDrilling(Drilling):
                 )
             self.held["R"] = self.r_level(scene, r, axis)
         elif scene.dialect.hole_from_start and "R" not in self.held:
-            self.held["R"] = self.start(scene, axis)
-            scene.notices.append(Notice("without R", WITHOUT_R, scene.source))
+            self.r_from_start(scene, axis)
+            scene.tell("without R", WITHOUT_R)
         if depth:
             value = scene.length(depth, axis)
             self.held.pop("relative", None)
@@ -204,24 +200,21 @@ class FanucDrilling(Drilling):
             elif word.letter == "Q" and word.value is not None:
                 self.held["Q"] = self.peck(scene, word, axis)
 
+    def r_from_start(self, scene: Scene, axis: str) -> None:
+        """Without R the hole begins where the axis stands."""
+        if "R" not in self.held:
+            self.held["R"] = self.start(scene, axis)
+
     def peck(self, scene: Scene, word: Word, axis: str) -> float:
         return abs(scene.length(word, axis))
 
-    # Whole: a word of the block to each condition.
     def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
         """With the words that the control would still hold, and from the initial level it would
         still know."""
         if self.stays or not self.code or "R" not in self.held or "depth" not in self.held:
             return [block.text]
-        axis, lines, add = job.hole.axis, [], []
-        slash = b"/" if block.skip else b""
-        if (
-            self.initial is not None
-            and scene.code("return") != R_LEVEL
-            and scene.differs(axis, self.initial)
-        ):
-            here = scene.at(axis) if scene.incremental else 0.0
-            lines.append(slash + b"G0 " + scene.text(axis, self.initial - here))
+        axis, add = job.hole.axis, []
+        lines = self.from_initial(scene, block, axis)
         if block.get("R") is None and (level := self.as_written(scene, axis)) is not None:
             add.append(scene.text("R", level))
         if not any(block.get(x) is not None for x in axis + self.drops(scene, axis)):
@@ -238,6 +231,14 @@ class FanucDrilling(Drilling):
             block.written(set(), sep.join(add), len(block.words)) if add else block.text,
         ]
 
+    def from_initial(self, scene: Scene, block: Block, axis: str) -> list[bytes]:
+        """The way to the initial level that the control would still know, where there is one."""
+        level = self.initial
+        if level is None or scene.code("return") == R_LEVEL or not scene.differs(axis, level):
+            return []
+        here = scene.at(axis) if scene.incremental else 0.0
+        return [(b"/" if block.skip else b"") + b"G0 " + scene.text(axis, level - here)]
+
     def as_written(self, scene: Scene, axis: str) -> float | None:
         """R level as an R word has it, None: it needs none."""
         return self.held["R"] - (self.start(scene, axis) if scene.incremental else 0.0)
@@ -248,10 +249,8 @@ class HaasDrilling(FanucDrilling):
     one, and their P is a dwell behind the last one (Haas mill operator's manual, G73, G83). K
     beside Q is another way to peck: refused."""
 
+    words, repeats = "RPQLIJK", "L"
     dwells: tuple[int, ...] = (730, 820, 830, 840, 890)
-
-    def __init__(self, synchronised: bool = False):
-        super().__init__("L", "RPQLIJK", synchronised)
 
     def hole_form(self, code: int) -> Form:
         own = "P" * (code in self.dwells)
@@ -282,12 +281,9 @@ class LatheDrilling(FanucDrilling):
     "Drilling cycle G83 or G87"); that the control sends the next one, which frees it, behind the
     way back, was not seen in a manual."""
 
+    actions, tapping, refused = LATHE, LATHE_TAPPING, {}
     dwells = tuple(LATHE)
     pecking = ()  # without Q they drill in one go
-
-    def __init__(self, synchronised: bool = False):
-        Drilling.__init__(self, LATHE, LATHE_TAPPING, {}, "RPQKL", AFTER_MOTION, synchronised)
-        self.repeats = "KL"
 
     def hole_form(self, code: int) -> Form:
         own, kept = (
@@ -299,21 +295,13 @@ class LatheDrilling(FanucDrilling):
         return "X" if code in ALONG_X else "Z"
 
     def r_level(self, scene: Scene, word: Word, axis: str) -> float:
-        return self.start(scene, axis) + scene.length(word, axis) * (
-            2 if scene.is_diameter(axis) else 1
-        )
+        return self.start(scene, axis) + scene.length(word, axis) * scene.double(axis)
 
     def as_written(self, scene: Scene, axis: str) -> float | None:
-        return (self.held["R"] - self.start(scene, axis)) / (
-            2 if scene.is_diameter(axis) else 1
-        ) or None
+        return (self.held["R"] - self.start(scene, axis)) / scene.double(axis) or None
 
     def peck(self, scene: Scene, word: Word, axis: str) -> float:
         return scene.counted(word)
-
-    def is_place(self, scene: Scene, word: Word, axis: str) -> bool:
-        meant = scene.dialect.increments.get(word.letter, word.letter)
-        return meant in scene.tracker.setup.axes and meant != axis
 
     def drops(self, scene: Scene, axis: str) -> str:
         return "".join(u for u, x in scene.dialect.increments.items() if x == axis)
@@ -328,22 +316,16 @@ class LatheDrilling(FanucDrilling):
                 f"M{clamp.raw} in a lathe's drilling cycle clamps the C axis before a hole, and"
                 f" M{int(clamp.value or 0) + 1} frees it behind: both are written out beside it"
             )
-            scene.notices.append(Notice("clamp", said, scene.source))
+            scene.tell("clamp", said)
         return replace(job, clamp=clamp)
 
     def _hold(self, scene: Scene, block: Block, axis: str) -> None:
         for u, x in scene.dialect.increments.items():
             word = block.word(u)
             if x == axis and word:
-                super()._hold(
-                    scene,
-                    Block(b"", tuple(w for w in block.words if w is not word), True, False),
-                    axis,
-                )
-                if "R" not in self.held:
-                    self.held["R"] = self.start(scene, axis)
+                super()._hold(scene, without(block, u), axis)
+                self.r_from_start(scene, axis)
                 self.held["depth"] = self.held["R"] + scene.length(word, axis)
                 return
         super()._hold(scene, block, axis)
-        if "R" not in self.held:
-            self.held["R"] = self.start(scene, axis)
+        self.r_from_start(scene, axis)

@@ -13,20 +13,18 @@ on Haas mills.
 
 from __future__ import annotations
 
-from postproc.errors import Notice
-from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.cycle import Outcome
 from postproc.nc.cycles.drilling import (
     KIND,
     WORDS,
     Action,
-    Drilling,
-    Outcome,
     bore,
     bore_standing,
     drill,
     pecks,
 )
-from postproc.nc.cycles.drilling_fanuc import AFTER_MOTION, HAAS_PECKS, HaasDrilling
+from postproc.nc.cycles.drilling_fanuc import HAAS_PECKS, HaasDrilling
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form, named
 
@@ -43,7 +41,6 @@ RADIAL: dict[int, Action] = {code + 1600: action for code, action in AXIAL.items
 TAPS_ALONG_X = (1950, 1960)
 TAPS = (840, 950, 1840, 1860, *TAPS_ALONG_X)
 BY_HAND = dict.fromkeys((870, 880, 2470, 2480), "the operator draws the tool out by hand")
-HAAS_LATHE = (*AXIAL, *RADIAL, *TAPS, *BY_HAND)
 DWELLS = (820, 830, 890, 2420, 2430, 2490)
 UNCERTAIN = "from where it counts the bottom is not certain"
 
@@ -51,15 +48,10 @@ UNCERTAIN = "from where it counts the bottom is not certain"
 class HaasLatheDrilling(HaasDrilling):
     """`held` as on mills; R and the bottom of radial holes are diameters."""
 
-    dwells = DWELLS
-    pecking = (830, 2430)
-
-    def __init__(self, synchronised: bool = False):
-        taps: dict[int, Action] = dict.fromkeys(TAPS, bore)
-        Drilling.__init__(
-            self, AXIAL | RADIAL | taps, TAPS, BY_HAND, "RPQIJK", AFTER_MOTION, synchronised
-        )
-        self.repeats = ""
+    actions = AXIAL | RADIAL | dict.fromkeys(TAPS, bore)
+    tapping, refused = TAPS, BY_HAND
+    words, repeats = "RPQIJK", ""
+    dwells, pecking = DWELLS, (830, 2430)
 
     def hole_form(self, code: int) -> Form:
         along_x = self._along_x(code)
@@ -83,10 +75,6 @@ class HaasLatheDrilling(HaasDrilling):
     def _along_x(self, code: int) -> bool:
         return code in RADIAL or code in TAPS_ALONG_X or code in (2470, 2480)
 
-    def is_place(self, scene: Scene, word: Word, axis: str) -> bool:
-        meant = scene.dialect.increments.get(word.letter, word.letter)
-        return meant in scene.tracker.setup.axes and meant != axis
-
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         outcome = super().run(scene, block, code)
         axis = self.axis_of(scene, code)
@@ -97,13 +85,12 @@ class HaasLatheDrilling(HaasDrilling):
             f"behind G{code / 10:g} the tool goes back to {back}, where it stood before: the manual"
             f" leaves open whether the control ends there or at R, {level}"
         )
-        scene.notices.append(Notice("way back", what, scene.source))
+        scene.tell("way back", what)
         return outcome._replace(loose=axis)
 
     def _hold(self, scene: Scene, block: Block, axis: str) -> None:
         super()._hold(scene, block, axis)
-        if "R" not in self.held:
-            self.held["R"] = self.start(scene, axis)
+        self.r_from_start(scene, axis)
         if scene.is_diameter(axis):
             for word in block.words:
                 if word.letter in "IJK" and word.value is not None:

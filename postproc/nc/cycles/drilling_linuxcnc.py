@@ -52,19 +52,18 @@ RETRACT = {False: 0.254, True: 0.010}
 
 
 class LinuxcncDrilling(Drilling):
-    def __init__(self, synchronised: bool = False):
-        super().__init__(ACTIONS, TAPPING, REFUSED, "RPQL", synchronised=synchronised)
+    actions, tapping, refused = ACTIONS, TAPPING, REFUSED
+    words = "RPQL"
 
     def hole_form(self, code: int) -> Form:
         """P and Q only where 2.9 takes them (check_other_codes of its interpreter)."""
         own = "P" * (code in DWELLS) + "Q" * (code in PECKS)
         return Form(KIND, named(WORDS, "XYZRL" + own))
 
-    # Whole: LinuxCNC's own order of words, checks and levels.
     def job(self, scene: Scene, block: Block, code: int) -> Job:
         axis = scene.plane[2]
         self._check(scene, block, code, axis)
-        half = 2 if scene.is_diameter(axis) else 1  # all that holds is a radius
+        half = scene.double(axis)  # all that holds is a radius
         for word in block.words:
             self._hold(scene, word, axis, half)
         if self.initial is None:
@@ -118,7 +117,7 @@ class LinuxcncDrilling(Drilling):
                 "LinuxCNC keeps these words only within one cycle: write them where it begins",
             )
 
-    def _hold(self, scene: Scene, word: Word, axis: str, half: int) -> None:
+    def _hold(self, scene: Scene, word: Word, axis: str, half: float) -> None:
         """Remember a word for the holes to come."""
         if word.letter == "P":
             if word.value is not None and word.value < 0:
@@ -133,7 +132,7 @@ class LinuxcncDrilling(Drilling):
     def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
         """The control itself counts from where the axis stands when its own first cycle begins."""
         axis = job.hole.axis
-        initial = (self.initial or 0.0) * (2 if scene.is_diameter(job.hole.axis) else 1)
+        initial = (self.initial or 0.0) * scene.double(axis)
         counts = scene.incremental or scene.code("return") == INITIAL_LEVEL
         if self.stays or self.initial is None or not counts or not scene.differs(axis, initial):
             return [block.text]

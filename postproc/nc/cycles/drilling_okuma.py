@@ -14,19 +14,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.drilling import (
     KIND,
     WORDS,
     Action,
-    Drilling,
     Hole,
     Job,
-    Outcome,
     bore,
     drill,
     pecks,
 )
-from postproc.nc.cycles.drilling_fanuc import AFTER_MOTION, FanucDrilling
+from postproc.nc.cycles.drilling_fanuc import FanucDrilling
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form, named
@@ -42,16 +41,15 @@ MILLISECONDS = 1000.0  # P of a cycle, in a second of G4 F
 class OkumaDrilling(FanucDrilling):
     """`level`: that of G71."""
 
+    tapping, refused = TAPS, {}
+    words, repeats = "RPQIJ", ""
     dwells = (730, 820, 830, 850, 890)
+    back = 0  # M53 or M54, as last named
 
     def __init__(self, synchronised: bool = False):
-        taps: dict[int, Action] = dict.fromkeys(TAPS, bore)
-        Drilling.__init__(
-            self, {**OKUMA, **taps, 730: self._chips}, TAPS, {}, "RPQIJ", AFTER_MOTION, synchronised
-        )
-        self.repeats = ""
+        self.actions = OKUMA | dict.fromkeys(TAPS, bore) | {730: self._chips}
+        super().__init__(synchronised)
         self.level: float | None = None
-        self.back = 0
 
     def hole_form(self, code: int) -> Form:
         takes = named(WORDS, "XYZR") | ({"P": WORDS["P"]} if code in self.dwells else {})
@@ -108,22 +106,14 @@ class OkumaDrilling(FanucDrilling):
         self.back = 0
 
 
-class ReturnLevel:
+class ReturnLevel(Cycle):
     """G71 Z: the level to which M53 goes back."""
 
-    modal = False
+    codes = (LEVEL,)
+    form = Form(KIND, {"Z": "level to go back to"})
 
     def __init__(self, holes: OkumaDrilling):
         self.holes = holes
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        return (Form(KIND, {"Z": "level to go back to"}),)
-
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         word = block.word("Z")

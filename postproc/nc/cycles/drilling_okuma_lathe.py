@@ -15,12 +15,11 @@ G182 G183 G189, whose ways back are in no page that was found.
 from __future__ import annotations
 
 from postproc.nc.cycles.block import Block
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
 
-DRILL = 1810
 KIND = "a drilling cycle"
 PLACES = {"X": "place, or bottom", "Y": "place", "Z": "bottom, or place", "C": "angle"}
 SHIFTS = {"K": "on in rapid along Z", "I": "on in rapid along X"}
@@ -30,17 +29,15 @@ REFUSED = {"R": "the first stroke"}
 MOST_HOLES = 1000
 
 
-class LiveDrilling:
+class LiveDrilling(Cycle):
     """Its words hold until G180."""
 
+    codes = (1810,)
+    form = Form(KIND, WORDS | AROUND, refused=REFUSED)
     modal = True
 
     def __init__(self) -> None:
         self.held: dict[str, float] = {}
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        """The words of the cycle."""
-        return (Form(KIND, WORDS | AROUND, refused=REFUSED),)
 
     def end(self) -> None:
         """G180."""

@@ -8,26 +8,16 @@ scales the coordinates by itself (manual 96-8000 rev R, page 159: "G68 R#4", "G5
 from __future__ import annotations
 
 from postproc.nc.cycles.block import Block
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
 
-CODE = 470
 
-
-class Engraving:
+class Engraving(Cycle):
     """G47."""
 
-    modal = False
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        return (Form("an engraving", stays=True),)
-
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
+    codes = (470,)
+    form = Form("an engraving", stays=True)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The block as it is. Raises ProgramError within a frame."""

@@ -14,13 +14,11 @@ left out), and axes whose place the manual leaves open behind G68 and G69.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
 
 from postproc.nc.codes import FRAME_KEYS
 from postproc.nc.cycles.affine import AXES, Affine, Point, point, rotation, scaling
 from postproc.nc.cycles.block import Block, Word
-from postproc.nc.cycles.frames import Frames
+from postproc.nc.cycles.frame_control import FrameControl
 from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.polar import Polar
 from postproc.nc.cycles.scene import Scene
@@ -43,24 +41,22 @@ FORMS = {
 }
 
 
-@dataclass
-class FanucFrames:
-    """The frames in force. `counts`: whether factors without a point count ONE (Haas: they are
-    refused)."""
+class FanucFrames(FrameControl):
+    """`counts`: whether factors without a point count ONE (Haas: they are refused); `forms`: the
+    words of its codes."""
 
-    scene: Scene
-    counts: bool = True
     codes: tuple[int, ...] = CODES
     takers: tuple[int, ...] = TAKERS
+    counts = True
+    forms = FORMS
 
-    def __post_init__(self) -> None:
-        self.frames = Frames(self.scene)
-        self.polar = Polar(self.scene, self.frames)
+    def __init__(self, scene: Scene):
+        super().__init__(scene)
+        self.polar = Polar(scene, self.frames)
         self.scale: Affine | None = None
         self.turn: Affine | None = None
         self.mirror: dict[str, float] = {}
         self.plane = 170
-        self.forms = FORMS
         self.sets: dict[int, Callable[[Block], None]] = {
             TURN_ON: self._turn,
             TURN_OFF: self._no_turn,
@@ -76,35 +72,10 @@ class FanucFrames:
     def active(self) -> bool:
         return self.polar.on or self.frames.active
 
-    def known(self, axis: str) -> float | None:
-        return self.frames.known(axis)
-
-    def snapshot(self) -> Any:
-        """What restore needs."""
-        kept = {
-            name: getattr(self.polar, name) for name in ("on", "pole", "radius", "angle", "here")
-        }
-        f = self.frames
-        return (
-            kept,
-            dict(self.polar.residue),
-            dict(f.at),
-            dict(f.residue),
-            set(f.loose),
-            (f.motion, f.written),
-        )
-
-    def restore(self, kept: Any) -> None:
-        """As it was when the snapshot was taken; the maps are the same."""
-        polar, self.polar.residue, self.frames.at, self.frames.residue, self.frames.loose, codes = (
-            kept
-        )
-        for name, value in polar.items():
-            setattr(self.polar, name, value)
-        self.frames.motion, self.frames.written = codes
+    def _holders(self) -> tuple[object, ...]:
+        return *super()._holders(), self.polar
 
     def take(self, block: Block) -> list[bytes]:
-        """A plain block in programmed coordinates, in those beneath. Raises ProgramError."""
         own = [c for c in block.codes if c in self.codes]
         # it ends the tilted plane too, which stays in the program
         if TURN_OFF in own and self._tilted:

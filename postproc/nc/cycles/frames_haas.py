@@ -8,29 +8,24 @@ other than 0, for what it means is not said; rotary axes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.frames_fanuc import CODES, FORMS, TAKERS, FanucFrames
+from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
 
 OFF, ON = 1000, 1010
 NAME = "name the axes: G10{} X0 Y0"
 
 
-@dataclass
 class HaasFrames(FanucFrames):
     """The frames in force."""
 
-    counts: bool = False
-    codes: tuple[int, ...] = (*CODES, OFF, ON)
-    takers: tuple[int, ...] = (*TAKERS, OFF, ON)
+    codes, takers = (*CODES, OFF, ON), (*TAKERS, OFF, ON)
+    counts = False
+    forms = FORMS | dict.fromkeys((OFF, ON), Form("a mirror", dict.fromkeys("XYZ", "its axis")))
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self.forms = FORMS | dict.fromkeys(
-            (OFF, ON), Form("a mirror", dict.fromkeys("XYZ", "its axis"))
-        )
+    def __init__(self, scene: Scene):
+        super().__init__(scene)
         self.sets |= {ON: self._mirror_here, OFF: self._no_mirror_here}
 
     def _mirror_here(self, block: Block) -> None:

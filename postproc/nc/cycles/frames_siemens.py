@@ -13,12 +13,11 @@ one block, and axes left unnamed in the first block behind a change.
 
 from __future__ import annotations
 
-from typing import Any
-
 from postproc.nc.codes import code_number
 from postproc.nc.cycles.affine import AXES, Affine, exact_turn, point, rotation, scaling
 from postproc.nc.cycles.block import Block, number_of
-from postproc.nc.cycles.frames import Frames
+from postproc.nc.cycles.frame_control import FrameControl
+from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 
 TURNS = {"X": ("Y", "Z"), "Y": ("Z", "X"), "Z": ("X", "Y")}  # about an axis: from one to the other
@@ -32,13 +31,13 @@ OWN_CENTRE = ("I", "J", "K", "CR", "AR")
 CANCEL = "end it before: TRANS or ROT without words"
 
 
-class SiemensFrames:
+class SiemensFrames(FrameControl):
     """The programmable frame but for a shift that stays in the text, and the pole."""
 
     def __init__(self, scene: Scene):
-        self.scene, self.frames = scene, Frames(scene, why="the programmed frame", strict=True)
-        self.codes: tuple[int, ...] = (*FRAMES, *POLES)
-        self.takers: tuple[int, ...] = (*FRAMES, *POLES)
+        super().__init__(scene)
+        self.codes = self.takers = (*FRAMES, *POLES)
+        self.frames.why, self.frames.strict = "the programmed frame", True
         self.pole: dict[str, float] = {}
         self.polar: dict[str, float] = {}
 
@@ -46,20 +45,8 @@ class SiemensFrames:
     def active(self) -> bool:
         return self.frames.active or bool(self.polar)
 
-    def known(self, axis: str) -> float | None:
-        return self.frames.known(axis)
-
-    def snapshot(self) -> Any:
-        f = self.frames
-        return dict(f.at), dict(f.residue), set(f.loose), f.motion, f.written, dict(self.polar)
-
-    def restore(self, kept: Any) -> None:
-        f = self.frames
-        f.at, f.residue, f.loose, f.motion, f.written, self.polar = kept
-
     # Whole: the kinds of blocks in their order of precedence.
     def take(self, block: Block) -> list[bytes]:
-        """A plain block in programmed coordinates, in those beneath. Raises ProgramError."""
         own = [c for c in block.codes if c in FRAMES]
         if own:
             return self._frame(block, FRAMES[own[-1]])
@@ -191,7 +178,7 @@ class SiemensFrames:
             )
             self.pole[axis] = base + given.get(axis, 0.0)
         self.polar = {}
-        out = {i for i, w in enumerate(block.words) if w.letter in names or number_of(w) == code}
+        out = own_words(block, names, (code,))
         rest = block.written(out)
         return [rest] if rest.strip(b" \t\r/") else []
 
@@ -237,7 +224,7 @@ class SiemensFrames:
             texts.append(axis.encode() + b"=AC(" + text[1:] + b")" if scene.incremental else text)
         texts += self._about_pole(block, (first, second))
         scene.extra_decimals = 0
-        out = {i for i, w in enumerate(block.words) if w.letter in ("AP", "RP")}
+        out = own_words(block, ("AP", "RP"))
         if self.frames.map.identity:
             self.frames.loose -= {first, second}
         return Block.of(block.written(out, b" ".join(texts)), scene.dialect.grammar)

@@ -24,11 +24,11 @@ Assumed: RETRACT in place of parameter 5139, or of setting 22.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
-from postproc.errors import Notice
-from postproc.nc.cycles.block import Block, Word
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
@@ -46,14 +46,14 @@ ASIDE_LATER = (
 
 
 @dataclass
-class Grooving:
+class Grooving(Cycle):
     """One of the two: it pecks along `deep`, and steps along the other axis. `escape`: back
     behind a peck, a radius, as the first of two blocks said it."""
 
+    codes: Iterable[int]
     deep: str
     haas: bool = False
     escape: float | None = None
-    modal = False
 
     @property
     def over(self) -> str:
@@ -76,26 +76,17 @@ class Grooving:
             ),
         )
 
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
-
     # Whole: the cuts in the order in which the tool makes them.
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
-        if scene.code("cutter") in (410, 420):
-            raise scene.fault(
-                f"G{code / 10:g} with nose radius compensation on", "write G40 before it"
-            )
+        refuse_nose(scene, code)
         m = Moves(scene, own_words(block, AXES + "PQRIKD", {code}))
         if not any(block.word(x) for x in AXES):
             self._hold(scene, block, code)
             return Outcome(m.finish())
         half = {"X": scene.double("X"), "Z": 1.0}
         start = {x: scene.at(x) for x in "XZ"}
-        to = self._end(scene, block, start)
+        to = start | named_end(scene, block, start)
         by = {x: self._step(scene, block, x) * half[x] for x in "XZ"}
         escape = (RETRACT[scene.inch] if self.escape is None else self.escape) * half[self.deep]
         deep, over = self.deep, self.over
@@ -123,7 +114,7 @@ class Grooving:
     def _aside(self, scene: Scene, block: Block, code: int, places: list[float]) -> float:
         """How far the tool goes over at the bottom, against the step; X a radius."""
         word = block.word("R") or block.word("D")
-        size = _length(scene, word, self.over)
+        size = abs(scene.length(word, self.over)) if word else 0.0
         if not word or not size:
             return 0.0
         name = f"{word.letter}{word.raw}"
@@ -134,7 +125,7 @@ class Grooving:
                 f"write the cycle without {word.letter}, or with steps and {word.letter} above 0",
                 word,
             )
-        scene.notices.append(Notice("aside", ASIDE_LATER.format(name), scene.source))
+        scene.tell("aside", ASIDE_LATER.format(name))
         return size if places[0] > places[1] else -size
 
     def _hold(self, scene: Scene, block: Block, code: int) -> None:
@@ -143,20 +134,6 @@ class Grooving:
         if word is None:
             raise scene.fault(f"G{code / 10:g} without X and Z", "name where it ends")
         self.escape = scene.length(word, "X")
-
-    @staticmethod
-    def _end(scene: Scene, block: Block, start: dict[str, float]) -> dict[str, float]:
-        """The bottom of the last cut."""
-        to = dict(start)
-        for axis, letter in (("X", "U"), ("Z", "W")):
-            absolute, increment = block.word(axis), block.word(letter)
-            if increment:
-                to[axis] = start[axis] + scene.length(increment, axis)
-            elif absolute:
-                to[axis] = scene.length(absolute, axis) + (
-                    start[axis] if scene.incremental else 0.0
-                )
-        return to
 
     @staticmethod
     def _step(scene: Scene, block: Block, axis: str) -> float:
@@ -168,11 +145,29 @@ class Grooving:
                 "write one of them",
                 word,
             )
-        return abs(scene.counted(counted, axis)) if counted else _length(scene, word, axis)
+        if word:
+            return abs(scene.length(word, axis))
+        return abs(scene.counted(counted, axis)) if counted else 0.0
 
 
-def _length(scene: Scene, word: Word | None, axis: str) -> float:
-    return abs(scene.length(word, axis)) if word else 0.0
+def refuse_nose(scene: Scene, code: int) -> None:
+    """Raises ProgramError for a cycle of a lathe within G41 or G42."""
+    if scene.code("cutter") in (410, 420):
+        raise scene.fault(f"G{code / 10:g} with nose radius compensation on", "write G40 before it")
+
+
+def named_end(scene: Scene, block: Block, start: dict[str, float]) -> dict[str, float]:
+    """Where X U and Z W of a block lead from a place, as far as they are named; X as its words
+    are."""
+    to = {}
+    for axis, letter in (("X", "U"), ("Z", "W")):
+        absolute, increment = block.word(axis), block.word(letter)
+        if increment:
+            to[axis] = start[axis] + scene.length(increment, axis)
+        elif absolute:
+            value = scene.length(absolute, axis)
+            to[axis] = start[axis] + value if scene.incremental else value
+    return to
 
 
 def steps(scene: Scene, start: float, end: float, by: float) -> list[float]:

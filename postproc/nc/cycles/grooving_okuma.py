@@ -14,11 +14,12 @@ found. Refused: DA=, the other step's word, a target beside the start without a 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from postproc.nc.cycles.block import Block
-from postproc.nc.cycles.drilling import Outcome
-from postproc.nc.cycles.grooving_fanuc import steps
+from postproc.nc.cycles.cycle import Cycle, Outcome
+from postproc.nc.cycles.grooving_fanuc import refuse_nose, steps
 from postproc.nc.cycles.lap_okuma import RELIEF
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
@@ -31,11 +32,11 @@ STEP = {"X": "I", "Z": "K"}
 
 
 @dataclass
-class OkumaGrooving:
+class OkumaGrooving(Cycle):
     """One of the two: it pecks along `deep`, and steps along the other axis."""
 
+    codes: Iterable[int]
     deep: str
-    modal = False
 
     @property
     def over(self) -> str:
@@ -47,26 +48,17 @@ class OkumaGrooving:
         words |= {"L": "depth behind which it goes out", "E": "dwell at the bottom"}
         return (Form(KIND, words),)
 
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
-
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
         name = f"G{code / 10:g}"
         if scene.incremental:
             raise scene.fault(f"{name} in G91", "write G90 before it")
-        if scene.code("cutter") in (410, 420):
-            raise scene.fault(
-                f"G{code / 10:g} with nose radius compensation on", "write G40 before it"
-            )
+        refuse_nose(scene, code)
         m = Moves(scene, own_words(block, "XZIKDLE", {code}))
         deep, over = self.deep, self.over
         start = {x: scene.at(x) for x in "XZ"}
-        to = {x: self._length(scene, block, x, start[x]) for x in "XZ"}
-        step = abs(self._length(scene, block, STEP[over], 0.0, over))
+        to = {x: scene.length_in(block, x, x, start[x]) for x in "XZ"}
+        step = abs(scene.length_in(block, STEP[over], over))
         if to[over] != start[over] and not step:
             raise scene.fault(
                 f"{name} to another {over} and no {STEP[over]}",
@@ -94,8 +86,8 @@ class OkumaGrooving:
         self, scene: Scene, block: Block, start: float, end: float
     ) -> list[tuple[float, list[float]]]:
         """Where each peck ends, and the ways back and on behind it."""
-        peck = abs(self._length(scene, block, "D", 0.0, self.deep))
-        out = abs(self._length(scene, block, "L", 0.0, self.deep))
+        peck = abs(scene.length_in(block, "D", self.deep))
+        out = abs(scene.length_in(block, "L", self.deep))
         ends = steps(scene, start, end, peck)[1:]
         relief = RELIEF * scene.double(self.deep) * (1 if end < start else -1)
         found, since = [], start
@@ -105,13 +97,6 @@ class OkumaGrooving:
                 back, since = [start, depth + relief], depth
             found.append((depth, [] if depth == ends[-1] else back))
         return found
-
-    @staticmethod
-    def _length(
-        scene: Scene, block: Block, letter: str, here: float, axis: str | None = None
-    ) -> float:
-        word = block.word(letter)
-        return here if word is None else scene.length(word, axis or letter)
 
 
 def without_offset(scene: Scene, block: Block) -> bytes | None:

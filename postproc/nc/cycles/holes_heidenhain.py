@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.klartext_bore import DELTA, Tool
 from postproc.nc.cycles.klartext_called import called
@@ -32,23 +33,15 @@ MOTION = re.compile(rb"(?<![A-Z])G[ \t]*0*([0-35-7]|1[0-6])(?![0-9])")
 PLAIN_MOTIONS = (0, 1)
 
 
-class IsoHoles:
+class IsoHoles(Before):
     """Follows the cycle that is defined and the feed, and writes out its calls."""
 
-    rigid = False
-    codes: tuple[int, ...] = (CALL_CODE,)
+    codes = (CALL_CODE,)
 
     def __init__(self, scene: Scene):
-        self.scene, self.holes, self.tool = scene, Holes(scene), Tool(scene)
+        super().__init__(scene)
+        self.holes, self.tool = Holes(scene), Tool(scene)
         self.feed, self.motion = b"", -1  # as the program named them last
-
-    def wants(self, line: Line) -> bool:
-        """Every line may say the feed."""
-        return True
-
-    def finish(self) -> list[Line]:
-        """Nothing is ever held back."""
-        return []
 
     def take(self, line: Line) -> list[Line]:
         """The line, or the lines that it becomes. Raises ProgramError."""

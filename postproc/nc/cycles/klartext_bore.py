@@ -17,7 +17,8 @@ from __future__ import annotations
 import math
 import re
 
-from postproc.nc.cycles.klartext_holes import signed
+from postproc.nc.cycles.klartext_holes import Holes
+from postproc.nc.cycles.klartext_lines import Lines
 from postproc.nc.cycles.pole_arc import Arc, ends
 from postproc.nc.cycles.scene import Scene
 
@@ -25,6 +26,7 @@ TOOL_DEF = re.compile(rb"TOOL[ \t]+DEF[ \t]*([0-9]+)[^;]*?(?<![A-Z])R[ \t]*([+]?
 TOOL_CALL = re.compile(rb"TOOL[ \t]+CALL[ \t]*(?:([0-9]+)|(\"[^\"]*\"))?")
 DELTA = re.compile(rb"(?<![A-Z])DR[ \t]*([-+]?[0-9]*\.?[0-9]+)")
 SPINDLE = re.compile(rb"(?<![A-Z])M[ \t]*0*([345]|13|14)(?![0-9])")
+BORE = 208
 MOST_TURNS = 10_000
 NEAR = 1e-9
 HELP = "let the CAM program write this bore out as L"
@@ -62,42 +64,48 @@ class Tool:
                 f"the radius of the tool of cycle {cycle} is not stated",
                 f"say it in mm: --offset {name}=Z0,R5",
             )
-        unit = 25.4 if self.scene.inch else 1.0
-        return place["R"] / unit + self.more
+        return place["R"] / self.scene.unit + self.more
+
+    def check_sense(self, cycle: int, way: float) -> None:
+        """`way`: Q351. Raises ProgramError where it is not said which way a cycle turns."""
+        if way not in (1.0, -1.0):
+            raise self.scene.fault(
+                f"cycle {cycle} without Q351, the way that it turns",
+                "write Q351=+1 for climb milling, Q351=-1 for up-cut",
+            )
+        if self.turn != 1:
+            raise self.scene.fault(
+                f"cycle {cycle} where the spindle does not turn by M3", "write M3 before it"
+            )
 
 
-def bore(scene: Scene, tool: Tool, data: dict[int, float], feed: bytes) -> list[bytes]:
-    """The cycle where the tool stands; `data`: its values by number. Raises ProgramError."""
-    radius = tool.radius(208)
-    reach, pitch = data[335] / 2 - radius, data[334]
+def bore(scene: Scene, tool: Tool, data: Holes) -> list[bytes]:
+    """The cycle where the tool stands. Raises ProgramError."""
+    clear, depth, top, pitch, wide = (data.value(n) for n in (200, 201, 203, 334, 335))
+    way, feed, radius = data.value(351, 0.0), data.feed(206), tool.radius(BORE)
+    reach = wide / 2 - radius
     if reach < NEAR:
         raise scene.fault(
-            f"the bore of cycle 208 is {data[335]:g} wide, and the tool {2 * radius:g}", HELP
+            f"the bore of cycle 208 is {wide:g} wide, and the tool {2 * radius:g}", HELP
         )
-    if data.get(351) not in (1.0, -1.0):
-        raise scene.fault(
-            "cycle 208 without Q351, the way that it turns",
-            "write Q351=+1 for climb milling, Q351=-1 for up-cut",
-        )
-    if tool.turn != 1:
-        raise scene.fault("cycle 208 where the spindle does not turn by M3", "write M3 before it")
-    high, low = data[203] + data[200], data[203] + data[201]
+    tool.check_sense(BORE, way)
+    high, low = top + clear, top + depth
     turns = math.ceil((high - low) / pitch - NEAR) if pitch > NEAR else MOST_TURNS + 1
     if turns > MOST_TURNS:
         raise scene.fault("cycle 208 with too many turns", "check Q201 and Q334")
     x, y = scene.at("X"), scene.at("Y")
     wall = x + reach, y
-    circle = ends(scene, Arc(wall, wall, (x, y), data[351], math.tau))
-
-    def to(place: tuple[float, float], z: float | None, end: bytes = b"") -> bytes:
-        words = [signed(scene, axis, v) for axis, v in zip("XY", place, strict=True)]
-        words += [] if z is None else [signed(scene, "Z", z)]
-        return b"L " + b" ".join(words) + end
-
-    lines = [b"L " + signed(scene, "Z", high) + b" FMAX", to(wall, None, feed)]
+    circle = ends(scene, Arc(wall, wall, (x, y), way, math.tau))
+    lines = Lines(scene)
+    lines.to(None, high)
+    lines.to(wall, None, feed)
     count = turns * len(circle)
     for k in range(count):
-        z = high + (low - high) * (k + 1) / count
-        lines.append(to(circle[k % len(circle)], z))
-    lines += [to(place, None) for place in circle]
-    return [*lines, to((x, y), None), b"L " + signed(scene, "Z", high) + b" FMAX"]
+        lines.to(circle[k % len(circle)], high + (low - high) * (k + 1) / count, feed)
+    for place in [*circle, (x, y)]:
+        lines.to(place, None, feed)
+    lines.to(None, high)
+    second = data.value(204, clear)
+    if second > clear:
+        lines.to(None, top + second)
+    return lines.texts

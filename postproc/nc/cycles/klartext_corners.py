@@ -17,7 +17,8 @@ import math
 import re
 from dataclasses import dataclass
 
-from postproc.nc.cycles.klartext_holes import signed
+from postproc.nc.cycles.bend import NEAR, bent
+from postproc.nc.cycles.klartext_lines import places
 from postproc.nc.cycles.pole_arc import Arc, Point, ends
 from postproc.nc.cycles.scene import Scene
 
@@ -28,7 +29,6 @@ PLACE = re.compile(rb"(?<![A-Z])(I?)([XY])[ \t]*([-+]?[0-9]*\.?[0-9]+)[ \t]*")
 ELSEWHERE = re.compile(rb"(?<![A-Z])I?[ZABCUVW][ \t]*[-+]?[.0-9]")
 BETWEEN = re.compile(rb"Q|FN|\*|\Z")  # may stand between two paths
 FAST = re.compile(rb"F[ \t]*MAX")
-NEAR = 1e-9
 WRITE = "write the corner out as L and CR"
 
 
@@ -91,7 +91,11 @@ class Corners:
         words = b" ".join(PLACE.sub(b" ", body).split())
         lines: list[tuple[bytes, bool]] = []
         if held is not None:
-            start, lines = self.cut(held, end, held.name)
+            start, points = self.cut(held, end, held.name)
+            lines.append((self._line(start, held.words), False))
+            own = b"F" + held.feed if held.feed else b""
+            for k, start in enumerate(points):
+                lines.append((self._line(start, b"" if k else own), bool(own)))
         self.held = self.coming = None
         if coming is None:
             return [*lines, (self._line(end, words), False)]
@@ -110,42 +114,24 @@ class Corners:
         return place[0], place[1]
 
     def _line(self, to: Point, words: bytes) -> bytes:
-        x, y = (signed(self.scene, axis, v) for axis, v in zip("XY", to, strict=True))
-        return b" ".join(part for part in (b"L", x, y, words) if part)
+        return b" ".join(part for part in (b"L", *places(self.scene, to), words) if part)
 
-    def cut(self, held: Held, end: Point, name: str) -> tuple[Point, list[tuple[bytes, bool]]]:
-        """Where the next line begins then, and the lines up to there, as `line` has them; name: of
-        the corner. Raises ProgramError."""
-        scene, corner = self.scene, held.end
-        before = held.start[0] - corner[0], held.start[1] - corner[1]
-        behind = end[0] - corner[0], end[1] - corner[1]
-        lengths = math.hypot(*before), math.hypot(*behind)
-        a = before[0] / lengths[0], before[1] / lengths[0]
-        b = behind[0] / lengths[1], behind[1] / lengths[1]
-        turn = a[0] * b[1] - a[1] * b[0]
-        angle = math.atan2(abs(turn), a[0] * b[0] + a[1] * b[1])
-        if math.pi - angle < NEAR:  # straight on
-            return corner, [(self._line(corner, held.words), False)]
-        if angle < NEAR:
+    def cut(self, held: Held, end: Point, name: str) -> tuple[Point, list[Point]]:
+        """Where the line ends then, and the ends of the lines of its corner; name: of the corner.
+        Raises ProgramError."""
+        scene, round_ = self.scene, held.name == "RND"
+        bend = bent(held.start, held.end, end)
+        if bend.straight:
+            return held.end, []
+        if bend.back:
             raise scene.fault(f"{name} where the line runs back", WRITE)
-        away = held.size / math.tan(angle / 2) if held.name == "RND" else held.size
-        if away > min(lengths) + NEAR:
+        away = bend.away(held.size) if round_ else held.size
+        if away > bend.length + NEAR:
             raise scene.fault(
                 f"{name} {held.size:g} begins {away:.4g} before the corner, and a line there"
-                f" has {min(lengths):.4g}",
+                f" has {bend.length:.4g}",
                 "the control stops at it: make the corner smaller",
             )
-        first = corner[0] + away * a[0], corner[1] + away * a[1]
-        second = corner[0] + away * b[0], corner[1] + away * b[1]
-        places = [second]
-        if held.name == "RND":
-            reach = held.size / math.sin(angle / 2) / math.hypot(a[0] + b[0], a[1] + b[1])
-            middle = corner[0] + reach * (a[0] + b[0]), corner[1] + reach * (a[1] + b[1])
-            places = ends(scene, Arc(first, second, middle, -1.0 if turn > 0 else 1.0))
-        own = b"F" + held.feed if held.feed else b""
-        feeds = [own, *(b"" for _ in places[1:])]
-        rounded = [self._line(p, f) for p, f in zip(places, feeds, strict=True)]
-        return second, [
-            (self._line(first, held.words), False),
-            *((line, bool(own)) for line in rounded),
-        ]
+        first, second = bend.ends(away)
+        arc = Arc(first, second, bend.centre(held.size), 1.0 if bend.left else -1.0)
+        return first, ends(scene, arc) if round_ else [second]

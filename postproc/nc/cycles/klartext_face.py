@@ -22,15 +22,15 @@ import math
 from collections.abc import Iterator
 
 from postproc.nc.cycles.klartext_bore import Tool
-from postproc.nc.cycles.klartext_holes import Holes, signed
+from postproc.nc.cycles.klartext_holes import Holes
+from postproc.nc.cycles.klartext_lines import Lines
+from postproc.nc.cycles.pole_arc import Point
 from postproc.nc.cycles.scene import Scene
 
 FACE = 232
 TO_AND_FRO, ONE_WAY = 0, 2
 MOST_DEPTHS, MOST_LINES = 1_000, 10_000
 NEAR = 1e-6
-Point = tuple[float, float]
-FAST = b" FMAX"
 
 
 def face(scene: Scene, tool: Tool, data: Holes) -> list[bytes]:
@@ -41,39 +41,30 @@ def face(scene: Scene, tool: Tool, data: Holes) -> list[bytes]:
             f"cycle 232 with Q389 {kind:g}",
             "write Q389=+0 or Q389=+2, whose lines end outside of the surface, or the ways as L",
         )
-    lines = _lines(scene, data, tool.radius(FACE))
+    rows = _rows(scene, data, tool.radius(FACE))
     high = value(227) + max(value(200), value(204, 0.0))
-    written: list[bytes] = []
-    fed = b""
-
-    def to(z: float | None, place: Point | None, feed: bytes) -> None:
-        nonlocal fed
-        words = [signed(scene, x, v) for x, v in zip("XY", place or (), strict=False)]
-        words += [] if z is None else [signed(scene, "Z", z)]
-        written.append(b"L " + b" ".join(words) + (b"" if feed == fed else feed))
-        fed = fed if feed == FAST else feed  # FMAX holds in its own line alone
-
     above, between = (scene.known("Z") or high) > high, data.feed(253)
+    lines = Lines(scene)
     if not above:
-        to(high, None, FAST)
-    to(None, lines[0][0], FAST)
+        lines.to(None, high)
+    lines.to(rows[0][0], None)
     if above:
-        to(high, None, FAST)
+        lines.to(None, high)
     for z, feed in _depths(scene, data):
-        for k, (start, end) in enumerate(lines):
+        for k, (start, end) in enumerate(rows):
             if k and kind == ONE_WAY:
-                to(z + value(200), None, between)
+                lines.to(None, z + value(200), between)
             if k:
-                to(None, start, between)
+                lines.to(start, None, between)
             if not k or kind == ONE_WAY:
-                to(z, None, between)
-            to(None, end, feed)
-        lines = [(end, start) for start, end in reversed(lines)]
-    to(high, None, FAST)
-    return written
+                lines.to(None, z, between)
+            lines.to(end, None, feed)
+        rows = [(end, start) for start, end in reversed(rows)]
+    lines.to(None, high)
+    return lines.texts
 
 
-def _lines(scene: Scene, data: Holes, radius: float) -> list[tuple[Point, Point]]:
+def _rows(scene: Scene, data: Holes, radius: float) -> list[tuple[Point, Point]]:
     """From and to where the tool's middle goes, of the first depth."""
     value = data.value
     long, wide = value(218), value(219)

@@ -22,8 +22,10 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from postproc.nc.cycles.klartext_lines import signed
 from postproc.nc.cycles.klartext_patterns import NUMBER, PECKING, pecks
 from postproc.nc.cycles.scene import Scene
+from postproc.nc.klartext import STAY
 
 NEAR = 1e-9
 MOST_PECKS = 10_000
@@ -34,7 +36,6 @@ AT_OWN_FEED = (201, 203, 205)  # come out at Q208
 NOT_FOLLOWED = (343, 379, 395)  # a diameter, a deeper start, another reference
 OLD_TAPS = (2, 17)
 TAPS = (*OLD_TAPS, 206, 207, 209)
-STAY = (*TAPS, 202, 204, 241, *range(262, 266), 267)
 HELP = "let the CAM program write its motions out as L"
 
 
@@ -198,9 +199,3 @@ class Holes:
             return []
         time = self.data[number].lstrip(b"+")
         return [b"CYCL DEF 9.0 DWELL TIME", b"CYCL DEF 9.1 DWELL " + time]
-
-
-def signed(scene: Scene, axis: str, value: float) -> bytes:
-    """X+10.5."""
-    text = scene.text(axis, value).rstrip(b".")
-    return text if text[1:2] == b"-" else text[:1] + b"+" + text[1:]

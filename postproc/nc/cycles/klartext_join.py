@@ -17,7 +17,7 @@ import math
 import re
 from collections.abc import Callable
 
-from postproc.nc.cycles.klartext_holes import signed
+from postproc.nc.cycles.klartext_lines import places
 from postproc.nc.cycles.pole_arc import Arc, Point
 from postproc.nc.cycles.scene import Scene
 
@@ -48,17 +48,16 @@ class Joined:
             )
         centre, radius, angle = pole(), words[b"PR"][1], math.radians(words[b"PA"][1])
         to = centre[0] + radius * math.cos(angle), centre[1] + radius * math.sin(angle)
-        place = b" ".join(signed(self.scene, axis, v) for axis, v in zip("XY", to, strict=True))
         rest = WORDS.sub(b"", code[found.end() :]).strip()
-        return b" ".join((found[1], found[2], place, rest)).rstrip()
+        return b" ".join((found[1], found[2], *places(self.scene, to), rest)).rstrip()
 
-    def touching(self, arc: Arc, places: list[Point]) -> list[Point]:
+    def touching(self, arc: Arc, points: list[Point]) -> list[Point]:
         """The ends of the lines of an arc, with one more at either end, on its tangents."""
         if not self.inside:
-            return places
-        first = self._along(arc, arc.at, places[0], 1.0)
-        last = self._along(arc, arc.to, places[-2] if len(places) > 1 else arc.at, -1.0)
-        return [first, *places[:-1], last, arc.to]
+            return points
+        first = self._along(arc, arc.at, points[0], 1.0)
+        last = self._along(arc, arc.to, points[-2] if len(points) > 1 else arc.at, -1.0)
+        return [first, *points[:-1], last, arc.to]
 
     def _along(self, arc: Arc, end: Point, other: Point, way: float) -> Point:
         """A place on the tangent at an end of an arc; `other`: the other end of the line there."""

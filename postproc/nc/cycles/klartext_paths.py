@@ -14,17 +14,19 @@ import math
 import re
 from collections.abc import Sequence
 
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.klartext_bore import Tool
 from postproc.nc.cycles.klartext_called import called
 from postproc.nc.cycles.klartext_corners import BETWEEN, Corners
-from postproc.nc.cycles.klartext_holes import Holes, signed
+from postproc.nc.cycles.klartext_holes import Holes
 from postproc.nc.cycles.klartext_join import Joined
-from postproc.nc.cycles.klartext_patterns import PATTERNS, points
+from postproc.nc.cycles.klartext_lines import FAST, places, signed
+from postproc.nc.cycles.klartext_patterns import points
 from postproc.nc.cycles.klartext_tangent import Heading
 from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
 from postproc.nc.cycles.scene import PLANES, Scene
 from postproc.nc.expand import Line
-from postproc.nc.klartext import CYCLE, HEAD, TURNS
+from postproc.nc.klartext import CYCLE, HEAD, PATTERNS, TURNS
 
 STATEMENT = re.compile(
     rb"(APPR|DEP|CC|CR|CP|CT|C|LP|L|RND|CHF|CYCL[ \t]+CALL|CYCL[ \t]+DEF|TOOL|M)(?![A-Z])[ \t]*"
@@ -44,14 +46,14 @@ XY = ("X", "Y", "Z")  # two axes of the plane, and the one across
 Words = dict[str, tuple[bool, float]]
 
 
-class KlartextPaths:
+class KlartextPaths(Before):
     """Follows pole, feed and the cycle that is defined, and writes out what depends on them."""
 
-    rigid = False
-    codes: tuple[int, ...] = (20, 30)
+    codes = (20, 30)
 
     def __init__(self, scene: Scene):
-        self.scene, self.holes = scene, Holes(scene)
+        super().__init__(scene)
+        self.holes = Holes(scene)
         self.corners, self.tool, self.heading = Corners(scene), Tool(scene), Heading(scene)
         self.joined = Joined(scene)
         self.pole: dict[str, float] = {}
@@ -63,10 +65,6 @@ class KlartextPaths:
         self.goes_on = False  # a definition, in the next line
         self.pattern: Holes | None = None  # while it is defined
         self.lead = b""  # "/ " where its definition begins so
-
-    def wants(self, line: Line) -> bool:
-        """Every line may move the pole or say the feed."""
-        return True
 
     def finish(self) -> list[Line]:
         """A line with a corner that has no other side."""
@@ -160,8 +158,8 @@ class KlartextPaths:
             if not line.startswith(b"L"):
                 continue
             words = self._words(line[1:])
-            places = {axis: self._place(words, axis) for axis in "XYZ" if axis in words}
-            for axis, place in places.items():
+            named = {axis: self._place(words, axis) for axis in "XYZ" if axis in words}
+            for axis, place in named.items():
                 self.scene.moved(axis, place)
 
     def _called(self) -> list[bytes]:
@@ -183,11 +181,10 @@ class KlartextPaths:
             raise scene.fault(f"a pattern of cycle {self.holes.cycle}", "define cycle 200 or 207")
         own = {200: clear, 203: top, 204: second if between else 0.0}
         self.holes.data |= {n: f"{v:+.6f}".encode() for n, v in own.items()}
-        high = b"L " + signed(scene, "Z", top + second) + b" FMAX"
+        high = b"L " + signed(scene, "Z", top + second) + FAST
         lines = [high]
         for place in points(scene, pattern.cycle, pattern.value):
-            words = [signed(scene, axis, v) for axis, v in zip("XY", place, strict=True)]
-            lines.append(b"L " + b" ".join(words) + b" FMAX")
+            lines.append(b"L " + b" ".join(places(scene, place)) + FAST)
             for axis, v in zip("XY", place, strict=True):
                 scene.moved(axis, v)
             lines += self._called()
@@ -297,14 +294,14 @@ class KlartextPaths:
         here = at or self._centre()
         arc = self._polar(kind, here, words) if polar else self._round(kind, here, words, plane)
         self._go_on(kind, arc, plane, at is not None)
-        places = [arc.to] if kind == b"LP" else ends(scene, arc)
+        points = [arc.to] if kind == b"LP" else ends(scene, arc)
         if across not in words:
             if kind != b"LP":
-                places = self.joined.touching(arc, places)
-            return self._written([(place, None) for place in places], rest, plane)
+                points = self.joined.touching(arc, points)
+            return self._written([(point, None) for point in points], rest, plane)
         low, depth = scene.at(across), self._place(words, across)
-        heights = [low + (depth - low) * k / len(places) for k in range(1, len(places) + 1)]
-        return self._written(list(zip(places, heights, strict=True)), rest, plane)
+        heights = [low + (depth - low) * k / len(points) for k in range(1, len(points) + 1)]
+        return self._written(list(zip(points, heights, strict=True)), rest, plane)
 
     def _from(self, kind: bytes, words: Words, plane: tuple[str, str, str]) -> Point | None:
         """Where a path begins; None: not known, and LP to a place does not ask."""
@@ -369,7 +366,7 @@ class KlartextPaths:
         words = b" ".join(words.split())
         at = LATE.search(words)
         words, late = (words[: at.start()].rstrip(), words[at.start() :]) if at else (words, b"")
-        fast = b"FMAX" if re.search(rb"F[ \t]*MAX", words) else b""
+        fast = FAST.strip() if re.search(rb"F[ \t]*MAX", words) else b""
         lines = []
         for k, (place, z) in enumerate(ways):
             values = dict(zip(plane, (*place, z), strict=True))

@@ -24,7 +24,6 @@ from collections.abc import Callable
 from postproc.nc.cycles.scene import Scene
 
 POLAR, LINEAR, PECKING = 220, 221, 1
-PATTERNS = (POLAR, LINEAR)
 NUMBER = re.compile(rb"([-+]?[0-9]*\.?[0-9]+)[ \t]*\Z")
 MOST = 10_000
 NEAR = 1e-9
@@ -74,7 +73,7 @@ def pecks(scene: Scene, data: dict[int, float]) -> list[tuple[float, bool]]:
     top, depth, step = scene.at("Z"), -data[2], abs(data[3])
     if depth / step > MOST:
         raise scene.fault("cycle 1 with too many pecks", "check 1.2 and 1.3")
-    unit = 25.4 if scene.inch else 1.0
+    unit = scene.unit
     deep = depth * unit
     stop = (0.6 if deep <= 30 else min(deep / 50, 7.0)) / unit
     surface, reached, found = top - abs(data[1]), 0.0, []

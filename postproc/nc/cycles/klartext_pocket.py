@@ -21,13 +21,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from postproc.nc.cycles.klartext_bore import Tool
-from postproc.nc.cycles.klartext_holes import Holes, signed
+from postproc.nc.cycles.klartext_holes import Holes
+from postproc.nc.cycles.klartext_lines import FAST, Lines
 from postproc.nc.cycles.klartext_stud import MIDDLE
 from postproc.nc.cycles.pocket_path import Piece, Point
-from postproc.nc.cycles.pole_arc import Arc, ends
+from postproc.nc.cycles.pole_arc import Arc, along, ends
 from postproc.nc.cycles.rounded import Rounded, step_of
 from postproc.nc.cycles.scene import Scene
 
@@ -60,22 +61,13 @@ class _Cut:
     scene: Scene
     tool: Tool
     data: Holes
-    lines: list[bytes] = field(default_factory=list)
-    fed: bytes = b""
 
     def __post_init__(self) -> None:
         scene, value = self.scene, self.data.value
+        self.lines = Lines(scene)
         self.cycle, self.value, self.feed = self.data.cycle, value, self.data.feed
         self.sense = value(351, 0.0)
-        if self.sense not in (1.0, -1.0):
-            raise scene.fault(
-                f"cycle {self.cycle} without Q351, the way that it turns",
-                "write Q351=+1 for climb milling, Q351=-1 for up-cut",
-            )
-        if self.tool.turn != 1:
-            raise scene.fault(
-                f"cycle {self.cycle} where the spindle does not turn by M3", "write M3 before it"
-            )
+        self.tool.check_sense(self.cycle, self.sense)
         self.radius = self.tool.radius(self.cycle)
         self.top, self.clear = value(203), value(200)
         self.depth, self.side, self.floor = -value(201), value(368, 0.0), value(369, 0.0)
@@ -157,7 +149,7 @@ class _Cut:
     def _join(self, feed: bytes) -> None:
         """Once along the wall, joined and left on a quarter circle, and back to the middle."""
         a, b = self.way.a, self.way.b
-        r = min(JOIN_MM / self._unit, a / 2, b / 2)
+        r = min(JOIN_MM / self.scene.unit, a / 2, b / 2)
         if r > NEAR:
             middle = a - r, 0.0
             on = Piece(1, (a - r, -r), (a, 0.0), middle)
@@ -172,11 +164,7 @@ class _Cut:
         self._down(self.high)
         if self.called != (0.0, 0.0):
             self._to(self.called)
-        return self.lines
-
-    @property
-    def _unit(self) -> float:
-        return 25.4 if self.scene.inch else 1.0
+        return self.lines.texts
 
     def _rings(self, shape: Rounded) -> list[Rounded]:
         factor = self.value(370, 1.0) or 1.0
@@ -233,28 +221,16 @@ class _Cut:
     def _around(self, ring: list[Piece], start: Point, feed: bytes) -> None:
         """Along pieces that run counter-clockwise, in the sense that is asked for."""
         self._to(self._sensed(start), feed)
-        for p in ring:
-            points = [p.end]
-            if p.turn:
-                points = ends(self.scene, Arc(p.start, p.end, p.centre, float(p.turn)))
-            for point in points:
-                self._to(self._sensed(point), feed)
+        for point in along(self.scene, ring):
+            self._to(self._sensed(point), feed)
 
     def _sensed(self, point: Point) -> Point:
         return point[0], point[1] * self.sense
 
-    def _to(self, place: Point, feed: bytes = b" FMAX", z: float | None = None) -> None:
+    def _to(self, place: Point, feed: bytes = FAST, z: float | None = None) -> None:
         (cos, sin), (x, y) = self.turn, place
         to = self.middle[0] + x * cos - y * sin, self.middle[1] + x * sin + y * cos
-        words = [signed(self.scene, axis, v) for axis, v in zip("XY", to, strict=True)]
-        words += [] if z is None else [signed(self.scene, "Z", z)]
-        self._line(b" ".join(words), feed)
+        self.lines.to(to, z, feed)
 
-    def _down(self, z: float, feed: bytes = b" FMAX") -> None:
-        self._line(signed(self.scene, "Z", z), feed)
-
-    def _line(self, words: bytes, feed: bytes) -> None:
-        """FMAX holds in its own line alone; another feed until the next."""
-        same = feed == self.fed and feed != b" FMAX"
-        self.fed = self.fed if feed == b" FMAX" else feed
-        self.lines.append(b"L " + words + (b"" if same else feed))
+    def _down(self, z: float, feed: bytes = FAST) -> None:
+        self.lines.to(None, z, feed)

@@ -23,8 +23,10 @@ import math
 from collections.abc import Callable
 
 from postproc.nc.cycles.klartext_bore import Tool
-from postproc.nc.cycles.klartext_holes import signed
-from postproc.nc.cycles.pole_arc import Arc, Point, ends
+from postproc.nc.cycles.klartext_holes import Holes
+from postproc.nc.cycles.klartext_lines import Lines
+from postproc.nc.cycles.pole_arc import Arc, Point, along, ends
+from postproc.nc.cycles.rounded import Rounded
 from postproc.nc.cycles.scene import Scene
 
 RECTANGLE, CIRCLE = 256, 257
@@ -37,29 +39,26 @@ MIDDLE = {0: (0, 0), 1: (1, 1), 2: (-1, 1), 3: (-1, -1), 4: (1, -1)}
 Value = Callable[..., float]
 
 
-def stud(
-    scene: Scene, tool: Tool, cycle: int, value: Value, feed: Callable[[int], bytes]
-) -> list[bytes]:
-    """The cycle where the tool stands; `value`, `feed`: its data by number. Raises ProgramError."""
+def stud(scene: Scene, tool: Tool, data: Holes) -> list[bytes]:
+    """The cycle where the tool stands. Raises ProgramError."""
+    cycle, value = data.cycle, data.value
     way = _path(scene, tool, cycle, value)
     depths = _depths(scene, cycle, value)
     top, clear = value(203), value(200)
     high = top + max(clear, value(204, clear))
     place = _placed(scene, cycle, value)
 
-    def to(point: Point, end: bytes = b"") -> bytes:
-        words = [signed(scene, axis, v) for axis, v in zip("XY", place(point), strict=True)]
-        return b"L " + b" ".join(words) + end
-
-    def down(z: float, end: bytes) -> bytes:
-        return b"L " + signed(scene, "Z", z) + end
-
-    start = way[-1]
-    lines = [down(high, b" FMAX"), to(start, b" FMAX"), down(top + clear, b" FMAX")]
+    lines = Lines(scene)
+    lines.to(None, high)
+    lines.to(place(way[-1]), None)
+    lines.to(None, top + clear)
     for depth in depths:
-        lines.append(down(top - depth, feed(206)))
-        lines += [to(point, b"" if k else feed(207)) for k, point in enumerate(way)]
-    return [*lines, down(high, b" FMAX")]
+        lines.anew(None, top - depth, data.feed(206))
+        lines.anew(place(way[0]), None, data.feed(207))
+        for point in way[1:]:
+            lines.to(place(point), None, lines.fed)
+    lines.to(None, high)
+    return lines.texts
 
 
 def _path(scene: Scene, tool: Tool, cycle: int, value: Value) -> list[Point]:
@@ -68,15 +67,7 @@ def _path(scene: Scene, tool: Tool, cycle: int, value: Value) -> list[Point]:
     if value(437, 0.0):
         raise scene.fault("cycle 256 with Q437, another approach", "write Q437=+0, or the way as L")
     way = value(351, 0.0)
-    if way not in (1.0, -1.0):
-        raise scene.fault(
-            f"cycle {cycle} without Q351, the way that it turns",
-            "write Q351=+1 for climb milling, Q351=-1 for up-cut",
-        )
-    if tool.turn != 1:
-        raise scene.fault(
-            f"cycle {cycle} where the spindle does not turn by M3", "write M3 before it"
-        )
+    tool.check_sense(cycle, way)
     return _turns(scene, tool, cycle, value, way)
 
 
@@ -91,7 +82,7 @@ def _turns(scene: Scene, tool: Tool, cycle: int, value: Value, way: float) -> li
     more = [max(o - side, 0.0) for o, side in zip(outside, (a, b), strict=True)]
     step = radius * (value(370, 1.0) or 1.0)
     corner = a if cycle == CIRCLE else value(220, 0.0) + left + radius
-    start = outside[0] + BESIDE_MM / _unit(scene)
+    start = outside[0] + BESIDE_MM / scene.unit
     fits = min(a, b) >= corner - NEAR and start > a and step > NEAR
     if not fits or max(more) / step > MOST_TURNS:
         sizes = "Q222 and Q223" if cycle == CIRCLE else "Q218 to Q425"
@@ -128,15 +119,7 @@ def _revolutions(
 
 def _around(scene: Scene, sides: tuple[float, float], corner: float) -> list[Point]:
     """Once, with the clock, from the middle of the right side and back to it."""
-    a, b = sides
-    found: list[Point] = []
-    for x, y in ((1, -1), (-1, -1), (-1, 1), (1, 1)):
-        centre = x * (a - corner), y * (b - corner)
-        first, last = (x * a, centre[1]), (centre[0], y * b)
-        if x * y > 0:
-            first, last = last, first
-        found += [first, *ends(scene, Arc(first, last, centre, -1.0))]
-    return [*found, (a, 0.0)]
+    return [(x, -y) for x, y in along(scene, Rounded(*sides, corner).ring())]
 
 
 def _depths(scene: Scene, cycle: int, value: Value) -> list[float]:
@@ -165,7 +148,3 @@ def _placed(scene: Scene, cycle: int, value: Value) -> Callable[[Point], Point]:
         return call[0] + x * cos - y * sin, call[1] + x * sin + y * cos
 
     return place
-
-
-def _unit(scene: Scene) -> float:
-    return 25.4 if scene.inch else 1.0

@@ -21,7 +21,9 @@ from __future__ import annotations
 import re
 
 from postproc.nc.cycles.affine import AXES, Affine, point, rotation, scaling
-from postproc.nc.cycles.klartext_holes import TAPS, signed
+from postproc.nc.cycles.before import Before
+from postproc.nc.cycles.klartext_holes import TAPS
+from postproc.nc.cycles.klartext_lines import signed
 from postproc.nc.cycles.klartext_paths import KlartextPaths
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
@@ -41,15 +43,15 @@ DATUM = re.compile(rb"TRANS[ \t]+DATUM(?![ \t]+RESET)")
 END = "end it before: CYCL DEF 10.1 ROT+0, 8.1, 11.1 SCL 1, 26.1 X1 Y1"
 
 
-class KlartextTurns:
+class KlartextTurns(Before):
     """The map in force, and what comes before it. `exact`: the programmed place behind the last
     line, before rounding, and the place as it was written."""
 
-    rigid = False
     codes = KlartextPaths.codes
 
     def __init__(self, scene: Scene):
-        self.scene, self.paths = scene, KlartextPaths(scene)
+        super().__init__(scene)
+        self.paths = KlartextPaths(scene)
         self.map, self.angle, self.factor = Affine(), 0.0, 1.0
         self.mirrored: tuple[str, ...] = ()
         self.stretch = Affine()  # cycle 26
@@ -57,9 +59,6 @@ class KlartextTurns:
         self.tilted = False
         self.exact: tuple[dict[str, float], dict[str, float]] = {}, {}
         scene.frame = self.known
-
-    def wants(self, line: Line) -> bool:
-        return self.paths.wants(line)
 
     def finish(self) -> list[Line]:
         return [line._replace(text=self._mapped(line.text, {})) for line in self.paths.finish()]

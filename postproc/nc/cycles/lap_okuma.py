@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from postproc.errors import Notice, ProgramError
+from postproc.errors import ProgramError
 from postproc.nc.cycles.moves import Moves
 from postproc.nc.cycles.profile import Element, Point
 from postproc.nc.cycles.roughing_fanuc import MOST_PASSES, NEAR, Pen, Roughing
@@ -158,8 +158,8 @@ class Lap:
                 "nose radius compensation holds in the cut along the shape: those before it end on"
                 " the shape as programmed, by as much as the nose differs"
             )
-            scene.notices.append(Notice("nose 850", said, scene.source))
-        relief = RELIEF / 25.4 if scene.inch else RELIEF
+            scene.tell("nose 850", said)
+        relief = RELIEF / scene.unit
         deep = 0 if shape.across else 1
         rest = _cut_part(first, rest, deep, start)
         cut = BarTurning(
@@ -197,7 +197,9 @@ class Lap:
         for e in shape.elements:
             beside = shape.beside[e.row] if e.row not in said else b""
             said.add(e.row)
-            _element(pen, e.moved(by), beside)
+            if beside:
+                pen.m.line(beside)
+            pen.centred(e.moved(by), "G0" if e.code == 0 else "G1")
         for row, beside in enumerate(shape.beside):
             if beside and row not in said:
                 pen.m.line(beside)
@@ -220,13 +222,3 @@ def _too_many(scene: Scene, passes: int, depth: float) -> ProgramError:
     return scene.fault(
         f"{passes:,} cuts of {depth:g} (limit {MOST_PASSES:,})", "check the depth of cut"
     )
-
-
-def _element(pen: Pen, e: Element, beside: bytes) -> None:
-    """A line or arc, its centre as I K."""
-    if beside:
-        pen.m.line(beside)
-    if e.is_arc:
-        pen.arc("G2" if e.code == 20 else "G3", e.end, e.centre)
-    else:
-        pen.to("G0" if e.code == 0 else "G1", e.end)

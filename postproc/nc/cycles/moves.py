@@ -87,6 +87,6 @@ class Moves:
         return [line for line in self.lines if line.strip(b" \t\r/")]
 
 
-def own_words(block: Block, letters: Collection[str], codes: set[int]) -> set[int]:
+def own_words(block: Block, letters: Collection[str], codes: Collection[int] = ()) -> set[int]:
     """The numbers of the words that belong to the cycle: its letters and its codes."""
     return {i for i, w in enumerate(block.words) if w.letter in letters or number_of(w) in codes}

@@ -15,13 +15,12 @@ import numpy as np
 
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.curve import Curve
-from postproc.nc.cycles.drilling import UNDEFINED, Outcome
+from postproc.nc.cycles.cycle import UNDEFINED, Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.splines import lines_along
 from postproc.nc.cycles.words import Form
 
-NURBS = 62
 AXES = "XYZ"
 RANKS, RANK = (2, 3, 4), 4
 FORM = Form(
@@ -30,8 +29,11 @@ FORM = Form(
 PROGRAM = "let the CAM program write it again, or write lines and arcs"
 
 
-class FanucNurbs:
+class FanucNurbs(Cycle):
     """`knots`, `poles` and `weights` so far; `axes`: those that the control points name."""
+
+    codes = (62,)
+    form = FORM
 
     def __init__(self) -> None:
         self.scene: Scene | None = None
@@ -47,10 +49,6 @@ class FanucNurbs:
     @property
     def modal(self) -> bool:
         return self.begun
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        """The words of a control point."""
-        return (FORM,)
 
     def wants(self, scene: Scene, block: Block) -> bool:
         """A block with a knot or a place goes on with the curve."""

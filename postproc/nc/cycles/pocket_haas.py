@@ -23,9 +23,10 @@ from types import MappingProxyType
 from postproc.errors import ProgramError
 from postproc.nc.cycles import pocket_path
 from postproc.nc.cycles.block import Block, Word, blocks
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.pocket_path import DoesNotFit, Piece, Point
+from postproc.nc.cycles.pole_arc import centre_of
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 from postproc.nc.cycles.words import Form
 
@@ -49,25 +50,17 @@ MOTIONS = {0: 0, 10: 0, CLOCKWISE: -1, COUNTER: 1}
 WRITE = "write it as G1, G2 and G3 with numbers"
 
 
-class Pocket:
+class Pocket(Cycle):
     """G150."""
 
-    modal = False
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        return (Form("a pocketing cycle", WORDS),)
-
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
+    codes = (CODE,)
+    form = Form("a pocketing cycle", WORDS)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a pocket. Raises ProgramError."""
         _modes(scene)
         side = {LEFT: 1, RIGHT: -1}[_side(scene, block)]
-        radius, stock = self._radius(scene, block), _length(scene, block, "K") or 0.0
+        radius, stock = self._radius(scene, block), scene.length_in(block, "K", "X")
         axis, step = self._step(scene, block, radius)
         start = _start(scene, block)
         shape = _shape(scene, block, start)
@@ -121,11 +114,10 @@ class Pocket:
     @staticmethod
     def _depths(scene: Scene, block: Block) -> tuple[float, list[float]]:
         """The R plane, and each depth."""
-        plane, bottom, down = (_length(scene, block, x, "Z") for x in "RZQ")
-        for letter, value in (("R", plane), ("Z", bottom), ("Q", down)):
-            if value is None:
+        for letter in "RZQ":
+            if block.word(letter) is None:
                 raise scene.fault(f"G150 without {letter}", f"write {letter}: {WORDS[letter]}")
-        assert plane is not None and bottom is not None and down is not None
+        plane, bottom, down = (scene.length_in(block, x, "Z") for x in "RZQ")
         if down <= 0 or bottom >= plane or (plane - bottom) / down > MOST_DEPTHS:
             raise scene.fault(
                 f"G150 from R{plane:g} to Z{bottom:g} by Q{down:g}",
@@ -143,7 +135,7 @@ class Pocket:
                 f"G150 with {'I and J' if named else 'neither I nor J'}",
                 "write I for steps along X, or J for steps along Y",
             )
-        step = _length(scene, block, named[0]) or 0.0
+        step = scene.length_in(block, named[0], "X")
         if not 0 < step <= 2 * radius:
             raise scene.fault(
                 f"{named[0]}{step:g} of G150, and the tool is {2 * radius:g} wide",
@@ -155,17 +147,12 @@ class Pocket:
     @staticmethod
     def _radius(scene: Scene, block: Block) -> float:
         """The radius that D names, program's unit."""
-        number = block.get("D") or 0
-        radius = scene.tracker.offset(f"D{number:g}", "R") if number else None
-        if not number:
+        if not block.get("D"):
             raise scene.fault("the tool of G150 has no radius", "name it by D")
+        radius = scene.tool_radius("G150", block)
         if not radius:
-            raise scene.fault(
-                f"the tool's radius D{number:g} of G150 is not stated",
-                f"say it in mm: --offset D{number:g}=R5",
-                block.word("D"),
-            )
-        return radius / 25.4 if scene.inch else radius
+            raise scene.not_stated("G150", block)
+        return radius
 
 
 def _modes(scene: Scene) -> None:
@@ -195,11 +182,6 @@ def _start(scene: Scene, block: Block) -> Point:
     return x, y
 
 
-def _length(scene: Scene, block: Block, letter: str, axis: str = "X") -> float | None:
-    word = block.word(letter)
-    return None if word is None else scene.length(word, axis)
-
-
 def _write(scene: Scene, m: Moves, piece: Piece) -> None:
     """One piece as a line."""
     to = dict(zip("XY", piece.end, strict=True))
@@ -216,7 +198,6 @@ def _write(scene: Scene, m: Moves, piece: Piece) -> None:
 # -- the shape -------------------------------------------------------------------------------------
 
 
-# Whole: one pass over the blocks, whose modes and place go on.
 def _shape(scene: Scene, block: Block, start: Point) -> list[Piece]:
     """The closed shape that the subprogram draws, behind its first motion. Raises ProgramError."""
     number = block.get("P")
@@ -235,15 +216,13 @@ def _shape(scene: Scene, block: Block, start: Point) -> list[Piece]:
         Block.of(b, scene.dialect.grammar) for t in texts for b in blocks(t, scene.dialect.grammar)
     ):
         motion, incremental = _codes(scene, part, motion, incremental)
-        named = [part.word(a) for a in "XY"]
         letters = "XYIJR" if motion in (CLOCKWISE, COUNTER) else "XY"
         if not any(part.word(x) for x in letters):
             continue
-        to = tuple(
-            at if w is None else scene.length(w, a) + (at if incremental else 0.0)
-            for a, w, at in zip("XY", named, here, strict=True)
+        x, y = (
+            scene.goes(part.word(a), a, at, incremental) for a, at in zip("XY", here, strict=True)
         )
-        pieces.append(_piece(scene, part, motion, here, (to[0], to[1])))
+        pieces.append(_piece(scene, part, motion, here, (x, y)))
         here = pieces[-1].end
     if incremental:
         raise scene.fault(
@@ -298,12 +277,7 @@ def _by_radius(scene: Scene, part: Block, word: Word, turn: int, start: Point, e
     r, chord = scene.length(word, "X"), math.dist(start, end)
     if not 0 < chord / 2 <= abs(r) + NEAR:
         raise _strange(scene, part)
-    height = math.sqrt(max(r * r - chord * chord / 4, 0.0)) * turn * (1 if r > 0 else -1)
-    (x0, y0), (x1, y1) = start, end
-    return (
-        (x0 + x1) / 2 - (y1 - y0) / chord * height,
-        (y0 + y1) / 2 + (x1 - x0) / chord * height,
-    )
+    return centre_of(start, end, r, turn)
 
 
 def _closed(scene: Scene, pieces: list[Piece]) -> None:

@@ -116,10 +116,16 @@ def area(shape: list[Piece]) -> float:
     return total
 
 
+def across(a: Piece, b: Piece) -> float:
+    """The sine of the angle by which the way turns from one piece to the next, left above 0."""
+    s, t = a.tangent(True), b.tangent(False)
+    return s[0] * t[1] - s[1] * t[0]
+
+
 def corner(a: Piece, b: Piece) -> float:
     """rad by which the way turns from one piece to the next, left above 0."""
     s, t = a.tangent(True), b.tangent(False)
-    return math.atan2(s[0] * t[1] - s[1] * t[0], s[0] * t[0] + s[1] * t[1])
+    return math.atan2(across(a, b), s[0] * t[0] + s[1] * t[1])
 
 
 # -- the contour -----------------------------------------------------------------------------------
@@ -128,7 +134,7 @@ def corner(a: Piece, b: Piece) -> float:
 def beside(shape: list[Piece], distance: float, side: int) -> list[Piece]:
     """The closed shape `distance` to the left (`side` 1) or right (-1) of its way: cut off in inner
     corners, round about outer ones. Raises DoesNotFit."""
-    moved = [_moved(p, distance * side) for p in shape]
+    moved = [aside(p, distance * side) for p in shape]
     ends: list[Point] = []
     joints: list[Piece | None] = []
     for k, (a, b) in enumerate(zip(shape, [*shape[1:], shape[0]], strict=True)):
@@ -158,7 +164,9 @@ def beside(shape: list[Piece], distance: float, side: int) -> list[Piece]:
     return contour
 
 
-def _moved(p: Piece, left: float) -> Piece:
+def aside(p: Piece, left: float, least: float = NEAR) -> Piece:
+    """The piece moved sideways. Raises DoesNotFit where the radius of an arc would not be above
+    `least`."""
     if not p.turn:
         t = p.tangent(False)
         by = -t[1] * left, t[0] * left
@@ -168,7 +176,7 @@ def _moved(p: Piece, left: float) -> Piece:
 
         return replace(p, start=shift(p.start), end=shift(p.end))
     scale = (p.radius - left * p.turn) / p.radius
-    if scale * p.radius <= NEAR:
+    if scale * p.radius <= least:
         raise DoesNotFit
 
     def away(q: Point) -> Point:
@@ -181,13 +189,15 @@ def _moved(p: Piece, left: float) -> Piece:
 def _meeting(a: Piece, b: Piece) -> Point:
     """Where two pieces meet, on longer ones if need be: the place nearest to their ends."""
     middle = (a.end[0] + b.start[0]) / 2, (a.end[1] + b.start[1]) / 2
-    places = _circles(a, b) if a.turn and b.turn else _with_line(a, b)
+    places = _circles(a, b) if a.turn and b.turn else with_line(a, b)
     if not places:
         raise DoesNotFit
     return min(places, key=lambda p: math.dist(p, middle))
 
 
-def _with_line(a: Piece, b: Piece) -> list[Point]:
+def with_line(a: Piece, b: Piece, touches: bool = False) -> list[Point]:
+    """Where two pieces, one of them a line, meet, both as long as need be. `touches`: whether a
+    line that misses an arc by a rounding touches it."""
     line, other = (b, a) if a.turn else (a, b)
     s, (x, y) = line.tangent(False), line.start
     if not other.turn:
@@ -197,9 +207,9 @@ def _with_line(a: Piece, b: Piece) -> list[Point]:
         return [(x + k * s[0], y + k * s[1])]
     to = other.centre[0] - x, other.centre[1] - y
     foot, off = to[0] * s[0] + to[1] * s[1], s[0] * to[1] - s[1] * to[0]
-    if abs(off) > other.radius:
+    if abs(off) > other.radius and not touches:
         return []
-    half = math.sqrt(other.radius**2 - off**2)
+    half = math.sqrt(max(other.radius**2 - off**2, 0.0))
     return [(x + k * s[0], y + k * s[1]) for k in (foot - half, foot + half)]
 
 
@@ -249,7 +259,7 @@ def _on_both(a: Piece, b: Piece) -> list[Point]:
     if a.turn and b.turn:
         places = _circles(a, b)
     elif a.turn or b.turn or abs(math.sin(corner(a, b))) > TANGENT:
-        places = _with_line(a, b)
+        places = with_line(a, b)
     else:
         return []
     return [q for q in places if b.share_of(q) is not None]

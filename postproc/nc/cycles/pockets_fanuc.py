@@ -20,24 +20,11 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import NamedTuple
 
-from postproc.nc.cycles.profile import Element, Point
+from postproc.nc.cycles.profile import Element, Point, Step, TooMany
 from postproc.nc.cycles.scene import COUNTER
 
 NEAR = 1e-9
 MOST_CUTS = 10_000
-
-
-class TooMany(Exception):
-    """More cuts than anybody means."""
-
-
-class Step(NamedTuple):
-    """A motion: "" (the way in of the cycle), "G0", "G1", "G2" or "G3"; its end and centre, (z, x
-    radius)."""
-
-    code: str
-    end: Point
-    centre: Point | None = None
 
 
 class Cut(NamedTuple):

@@ -12,9 +12,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
-from postproc.nc.cycles.profile import Element
+from postproc.nc.cycles.profile import Element, Step, TooMany
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER
 
 WHOLE, NO_POCKETS, POCKETS_ONLY = 0, 1, 2
@@ -22,18 +21,6 @@ NEAR, LEVEL, SHORT = 1e-9, 1e-6, 1e-3  # mm or inches: the control's own
 TOUCHES = 1e-12  # square of a half chord: a level that touches an arc, but for a rounding
 BOTTOM = -1e9
 MOST_CUTS = 100_000
-
-
-class TooMany(Exception):
-    """The shape can not be roughed: LinuxCNC would never end."""
-
-
-class Step(NamedTuple):
-    """A motion: "G0", "G1", "G2" or "G3", its end and centre, (z, x radius)."""
-
-    code: str
-    end: tuple[float, float]
-    centre: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass

@@ -8,8 +8,10 @@ arc, below 0 the longer.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
+from postproc.nc.cycles.pocket_path import Piece
 from postproc.nc.cycles.scene import Scene
 
 MISMATCH_MM = 0.016
@@ -29,19 +31,34 @@ class Arc(NamedTuple):
     sweep: float | None = None
 
 
+def centre_of(start: Point, end: Point, radius: float, turn: float) -> Point:
+    """The centre of the arc of this radius, counter-clockwise where `turn` is above 0: the shorter
+    one, with a radius below 0 the longer. One too small for its chord is half of that."""
+    a, b = complex(*start), complex(*end)
+    length = abs(b - a)
+    away = math.sqrt(max(radius * radius - length * length / 4, 0.0))
+    side = 1 if (turn > 0) == (radius > 0) else -1
+    centre = (a + b) / 2 + side * away * 1j * (b - a) / length
+    return centre.real, centre.imag
+
+
 def by_radius(scene: Scene, at: Point, to: Point, radius: float, turn: float) -> Arc:
     """The arc of this radius. Raises ProgramError where there is none."""
-    chord = to[0] - at[0], to[1] - at[1]
-    length = math.hypot(*chord)
+    length = math.dist(at, to)
     if length < NEAR or length / 2 > abs(radius) + MISMATCH_MM:
         raise scene.fault(
             f"R{radius:g} makes no arc to a place {length:.4g} away", "check R and the end"
         )
-    away = math.sqrt(max(radius**2 - (length / 2) ** 2, 0.0))
-    away *= 1 if (turn > 0) == (radius > 0) else -1
-    middle = (at[0] + to[0]) / 2, (at[1] + to[1]) / 2
-    centre = middle[0] - chord[1] / length * away, middle[1] + chord[0] / length * away
-    return Arc(at, to, centre, turn)
+    return Arc(at, to, centre_of(at, to, radius, turn), turn)
+
+
+def along(scene: Scene, pieces: Iterable[Piece]) -> list[Point]:
+    """The ends of lines along lines and arcs. Raises ProgramError."""
+    found: list[Point] = []
+    for p in pieces:
+        arc = Arc(p.start, p.end, p.centre, float(p.turn))
+        found += ends(scene, arc) if p.turn else [p.end]
+    return found
 
 
 def ends(scene: Scene, arc: Arc) -> list[Point]:
@@ -50,8 +67,7 @@ def ends(scene: Scene, arc: Arc) -> list[Point]:
     centre = arc.centre
     arms = [(p[0] - centre[0], p[1] - centre[1]) for p in (arc.at, arc.to)]
     radii = [math.hypot(*arm) for arm in arms]
-    unit = 25.4 if scene.inch else 1.0
-    if min(radii) < NEAR or abs(radii[0] - radii[1]) * unit > MISMATCH_MM:
+    if min(radii) < NEAR or abs(radii[0] - radii[1]) * scene.unit > MISMATCH_MM:
         raise scene.fault(
             f"start and end lie {radii[0]:.4f} and {radii[1]:.4f} from the pole",
             "the control refuses more than 0.016 mm between them: check the pole",

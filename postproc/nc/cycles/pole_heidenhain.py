@@ -18,6 +18,7 @@ import math
 import re
 
 from postproc.nc.codes import Code
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
@@ -31,25 +32,16 @@ FULL_TURN = 1e-6  # degrees: an end at the start is a full circle
 POINT = re.compile(rb"(?<=\d)\.(?!\d)")
 
 
-class PoleArcs:
+class PoleArcs(Before):
     """Follows pole and motion code, and writes arcs out."""
 
-    rigid = False
-    codes: tuple[int, ...] = (CLOCKWISE, COUNTER, *POLAR, *ROUND)
+    codes = (CLOCKWISE, COUNTER, *POLAR, *ROUND)
 
     def __init__(self, scene: Scene):
-        self.scene = scene
+        super().__init__(scene)
         self.pole: dict[str, float] = {}
         self.motion = -1
         self.called = False
-
-    def wants(self, line: Line) -> bool:
-        """Every line may move the pole."""
-        return True
-
-    def finish(self) -> list[Line]:
-        """Nothing is ever held back."""
-        return []
 
     def take(self, line: Line) -> list[Line]:
         """The line, or the lines that its arc becomes. Raises ProgramError."""
@@ -91,7 +83,7 @@ class PoleArcs:
         placed = any(block.word(x) for x in "XYZ")
         if self.motion not in self.codes:
             plain = placed and self.motion in (0, 10) and not any(row.refuses for row in rows)
-            out = own_words(block, "IJK" * plain, set())
+            out = own_words(block, "IJK" * plain)
             return [line._replace(text=block.written(out) + end) if out else line]
         if self.motion in POLAR:
             return [line._replace(text=text) for text in self._polar(block, end)]

@@ -21,6 +21,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from postproc.nc.codes import code_number
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.corners_siemens import Corners
 from postproc.nc.cycles.curve import lines_of
@@ -41,15 +42,14 @@ DENOMINATOR = ""
 WRITE = "let the CAM program write lines and arcs"
 
 
-class Polynomials:
+class Polynomials(Before):
     """Writes the blocks of POLY out; all other lines go on to `corners`."""
 
-    codes: tuple[int, ...] = (code_number("POLY"),)
+    codes = (code_number("POLY"),)
 
     def __init__(self, scene: Scene):
-        self.scene, self.corners = scene, Corners(scene)
-        self.on = False
-        self.rigid = False
+        super().__init__(scene)
+        self.corners, self.on = Corners(scene), False
 
     def wants(self, line: Line) -> bool:
         """Whether a line must go through here."""
@@ -154,11 +154,11 @@ class Polynomials:
             raise scene.fault("a denominator whose poles are not above 0", WRITE)
         points = lines_of(poles, scene.chord, len(axes))
         points[-1] = [values[x][0] if x in values else plain[x] for x in axes]
-        return self._written(line, block, axes, points)
+        return self._lines(line, block, axes, points)
 
-    def _written(self, line: Line, block: Block, axes: list[str], points: np.ndarray) -> list[Line]:
+    def _lines(self, line: Line, block: Block, axes: list[str], points: np.ndarray) -> list[Line]:
         """The block with the words of the first line, and a block for each other line."""
-        own = own_words(block, AXES, set())
+        own = own_words(block, AXES)
         texts: list[bytes] = []
         for words in self._words(axes, points):
             if texts:

@@ -9,12 +9,14 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
-from postproc.errors import Notice
 from postproc.nc.cycles import drawing_fanuc
-from postproc.nc.cycles.block import Block, Word, blocks
+from postproc.nc.cycles.block import Block, blocks
 from postproc.nc.cycles.drawing_fanuc import WRITE as WRITE_END
 from postproc.nc.cycles.drawing_fanuc import Corner
+from postproc.nc.cycles.pocket_path import Piece
+from postproc.nc.cycles.pole_arc import centre_of
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 
 # compensation of the nose radius: what it does to a roughing, the caller says
@@ -53,6 +55,12 @@ class Element:
         return self.code in (CLOCKWISE, COUNTER)
 
     @property
+    def piece(self) -> Piece:
+        """Its geometry."""
+        turn = {CLOCKWISE: -1, COUNTER: 1}.get(self.code, 0)
+        return Piece(turn, self.start, self.end, self.centre)
+
+    @property
     def monotonic(self) -> bool:
         """Whether neither coordinate turns back within: an arc within one quadrant."""
         if not self.is_arc:
@@ -82,6 +90,19 @@ class Element:
         found = [self.centre[other] + along, self.centre[other] - along]
         low, high = sorted((self.start[other], self.end[other]))
         return min(found, key=lambda v: max(low - v, v - high, 0.0))
+
+
+class TooMany(Exception):
+    """More cuts of a roughing than anybody means, or without an end."""
+
+
+class Step(NamedTuple):
+    """A motion of a roughing: "G0", "G1", "G2", "G3" or "" (the way in of the cycle); its end, and
+    the centre of an arc, (z, x radius)."""
+
+    code: str
+    end: Point
+    centre: Point | None = None
 
 
 @dataclass(frozen=True)
@@ -149,7 +170,7 @@ def _first(scene: Scene, rows: list[Row], begin: int, after: int, kept: int) -> 
                 f"N{begin} stands in line {', '.join(others)} too: the shape is the one behind the"
                 f" cycle, in line {line}"
             )
-            scene.notices.append(Notice(f"shape {begin}", said, scene.source))
+            scene.tell(f"shape {begin}", said)
         return starts[0]
     if kept:
         starts = [i for i in starts if rows[i][0] == kept] or starts
@@ -264,25 +285,13 @@ def _place(
     scene: Scene, block: Block, here: Point, incremental: bool
 ) -> tuple[float | None, float | None]:
     """The end of a block, None: it is not named."""
-    half = 2.0 if scene.is_diameter("X") else 1.0
-    by = {x: u for u, x in scene.dialect.increments.items()}
-    named = [any(block.word(w) for w in (x, by.get(x, x))) for x in "ZX"]
-    z = _coordinate(scene, block, "Z", here[0], 1.0, incremental) if named[0] else None
-    x = _coordinate(scene, block, "X", here[1], half, incremental) if named[1] else None
-    return z, x
-
-
-def _coordinate(
-    scene: Scene, block: Block, axis: str, here: float, half: float, incremental: bool
-) -> float:
-    increment = {x: u for u, x in scene.dialect.increments.items()}.get(axis, "")
-    absolute, by = block.word(axis), block.word(increment) if increment else None
-    if by is not None:
-        return here + scene.length(by, axis) / half
-    if absolute is None:
-        return here
-    value = scene.length(absolute, axis) / half
-    return here + value if incremental else value
+    place: list[float | None] = []
+    for axis, start in zip("ZX", here, strict=True):
+        increment, word = block.word(scene.increment(axis)), block.word(axis)
+        named = increment or word
+        by = increment is not None or incremental
+        place.append(None if named is None else scene.goes(named, axis, start, by))
+    return place[0], place[1]
 
 
 def _arc(scene: Scene, block: Block, element: Element) -> Element:
@@ -291,13 +300,13 @@ def _arc(scene: Scene, block: Block, element: Element) -> Element:
         return element
     radius, i, k = block.word("R"), block.word("I"), block.word("K")
     words = tuple(block.text[w.start : w.stop] for w in (radius, i, k) if w is not None)
-    (z0, x0), (z1, x1) = element.start, element.end
     if radius is None:
         if i is None and k is None:
             raise scene.fault(
                 "an arc of the shape has no I, K or R", "write its centre or its radius"
             )
-        centre = (z0 + _length(scene, k, "Z"), x0 + _length(scene, i, "X"))
+        z0, x0 = element.start
+        centre = (z0 + scene.length_in(block, "K", "Z"), x0 + scene.length_in(block, "I", "X"))
         return replace(element, words=words, centre=centre)
     r, chord = scene.length(radius, "X"), math.dist(element.start, element.end)
     if chord / 2 > abs(r) + 1e-3:
@@ -305,13 +314,5 @@ def _arc(scene: Scene, block: Block, element: Element) -> Element:
             f"R{radius.raw} is too short for an arc of the shape over {chord:.4f}",
             "check R and the end point",
         )
-    height = math.sqrt(max(r * r - chord * chord / 4, 0.0)) * (
-        1 if (element.code == COUNTER) == (r > 0) else -1
-    )
-    normal = (-(x1 - x0) / chord, (z1 - z0) / chord)
-    centre = ((z0 + z1) / 2 + normal[0] * height, (x0 + x1) / 2 + normal[1] * height)
+    centre = centre_of(element.start, element.end, r, element.piece.turn)
     return replace(element, words=words, centre=centre)
-
-
-def _length(scene: Scene, word: Word | None, axis: str) -> float:
-    return scene.length(word, axis) if word is not None else 0.0

@@ -7,11 +7,9 @@ R is taken out of the text, so the output is right where the control itself hold
 
 from __future__ import annotations
 
-from typing import Any
-
 from postproc.nc.cycles.affine import Affine, rotation
 from postproc.nc.cycles.block import Block
-from postproc.nc.cycles.frames import Frames
+from postproc.nc.cycles.frame_control import FrameControl
 from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import Scene
 
@@ -20,14 +18,13 @@ RESTORES = {922, 923}  # G92.2 and G92.3: the shift of G92 goes and comes back
 WORK = (540, 550, 560, 570, 580, 590, 591, 592, 593)
 
 
-class LinuxcncRotation:
+class LinuxcncRotation(FrameControl):
     """`turns`: degrees by the number of the work offset (1: G54)."""
 
-    codes: tuple[int, ...] = (DATA,)
-    takers: tuple[int, ...] = (DATA,)
+    codes = takers = (DATA,)
 
     def __init__(self, scene: Scene):
-        self.scene, self.frames = scene, Frames(scene)
+        super().__init__(scene)
         self.frames.why = "a turned work offset (G10 L2 R)"
         self.turns: dict[int, float] = {}
 
@@ -35,22 +32,7 @@ class LinuxcncRotation:
     def active(self) -> bool:
         return bool(self.turns)
 
-    def known(self, axis: str) -> float | None:
-        return self.frames.known(axis)
-
-    def snapshot(self) -> Any:
-        return (
-            dict(self.frames.at),
-            dict(self.frames.residue),
-            self.frames.motion,
-            self.frames.written,
-        )
-
-    def restore(self, kept: Any) -> None:
-        self.frames.at, self.frames.residue, self.frames.motion, self.frames.written = kept
-
     def take(self, block: Block) -> list[bytes]:
-        """A plain block in turned coordinates, in those beneath. Raises ProgramError."""
         scene = self.scene
         if DATA in block.codes:
             return self._data(block)

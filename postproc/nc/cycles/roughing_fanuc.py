@@ -14,12 +14,12 @@ for type II.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from postproc.nc.cycles.moves import Moves
-from postproc.nc.cycles.pockets_fanuc import TooMany, TypeTwo, quarters
-from postproc.nc.cycles.profile import Element, Point
+from postproc.nc.cycles.pockets_fanuc import TypeTwo, quarters
+from postproc.nc.cycles.profile import Element, Point, Step, TooMany
 from postproc.nc.cycles.scene import CLOCKWISE, Scene
 
 MOST_PASSES = 10_000
@@ -43,7 +43,7 @@ class Pen:
 
     @property
     def half(self) -> float:
-        return 2.0 if self.scene.is_diameter("X") else 1.0
+        return self.scene.double("X")
 
     def to(self, code: str, place: Point) -> None:
         self.m.move(code, {"X": place[1] * self.half, "Z": place[0]})
@@ -59,6 +59,21 @@ class Pen:
             return
         to = {"X": e.end[1] * self.half, "Z": e.end[0]}
         self.m.move("G2" if e.code == CLOCKWISE else "G3", to, *e.words)
+
+    def steps(self, way: Iterable[Step], infeed: str = "") -> None:
+        """The motions of a roughing; `infeed`: the code of the way in."""
+        for step in way:
+            if step.centre is None:
+                self.to(step.code or infeed, step.end)
+            else:
+                self.arc(step.code, step.end, step.centre)
+
+    def centred(self, e: Element, code: str) -> None:
+        """A line by this code, or an arc, its centre as I K."""
+        if e.is_arc:
+            self.arc("G2" if e.code == CLOCKWISE else "G3", e.end, e.centre)
+        else:
+            self.to(code, e.end)
 
     def arc(self, code: str, end: Point, centre: Point) -> None:
         """An arc from where the tool stands."""
@@ -216,11 +231,7 @@ class Roughing:
                 f"more than {MOST_PASSES:,} motions in cuts of {self.depth:g}",
                 "check the depth of cut",
             ) from None
-        for step in way:
-            if step.centre is None:
-                self.pen.to(step.code or self.infeed, step.end)
-            else:
-                self.pen.arc(step.code, step.end, step.centre)
+        self.pen.steps(way, self.infeed)
 
 
 def ways(elements: list[Element], axis: int) -> list[float]:

@@ -109,6 +109,10 @@ class Scene:
         """First and second axis of the plane, and the axis across it."""
         return PLANES.get(self.code("plane"), PLANES[170])
 
+    def increment(self, axis: str) -> str:
+        """The letter of an axis' distances (U of X), "": none."""
+        return next((u for u, x in self.dialect.increments.items() if x == axis), "")
+
     def is_diameter(self, axis: str) -> bool:
         mode = self.code("diameter") if axis == "X" else -1
         return mode == 70 if mode in (70, 80) else axis in self.tracker.setup.diameter
@@ -124,9 +128,14 @@ class Scene:
         return 2.0 if self.is_diameter(axis) else 1.0
 
     @property
+    def unit(self) -> float:
+        """mm of the program's unit."""
+        return 25.4 if self.inch else 1.0
+
+    @property
     def chord(self) -> float:
         """How far straight lines may leave the curve that they stand for, program's unit."""
-        return self.tolerance / 25.4 if self.inch else self.tolerance
+        return self.tolerance / self.unit
 
     # -- places ------------------------------------------------------------------------------------
 
@@ -243,6 +252,14 @@ class Scene:
         """Something went by that was not looked at: ask the tracker next time."""
         self._codes, self._places, self._decimals = {}, {}, {}
 
+    def goes(self, word: Word | None, axis: str, start: float, by: bool) -> float:
+        """Where a word leads an axis from `start`, both as radii; by: whether it is a distance
+        where it does not say so itself (IC, AC). No word leaves the axis."""
+        if word is None:
+            return start
+        value = self.length(word, axis) / self.double(axis)
+        return start + value if word.mode == "IC" or (by and word.mode != "AC") else value
+
     # -- numbers -----------------------------------------------------------------------------------
 
     def decimals(self, letter: str) -> int:
@@ -265,6 +282,11 @@ class Scene:
             return self.counted(word, axis)
         return word.value or 0.0
 
+    def length_in(self, block: Block, letter: str, axis: str, missing: float = 0.0) -> float:
+        """The length that a block's word of this letter says."""
+        word = block.word(letter)
+        return missing if word is None else self.length(word, axis)
+
     def counted(self, word: Word, axis: str = "Z") -> float:
         """A number that counts least increments where it has no point (P and Q of a lathe's
         cycles)."""
@@ -275,12 +297,32 @@ class Scene:
         least = own or self.tracker.setup.least_increment.get(axis, 1e-3)
         return value * least / (10 if self.inch else 1)  # a control with 0.001 mm has 0.0001 inch
 
+    def tool_radius(self, name: str, block: Block) -> float:
+        """The radius that D of a block names, program's unit. Raises ProgramError."""
+        radius = self.tracker.offset(f"D{block.get('D'):g}", "R")
+        if radius is None:
+            raise self.not_stated(name, block)
+        return radius / self.unit
+
+    def not_stated(self, name: str, block: Block) -> ProgramError:
+        """The radius that D of a block names is not known."""
+        number = block.get("D")
+        return self.fault(
+            f"the tool's radius D{number:g} of {name} is not stated",
+            f"say it in mm: --offset D{number:g}=R5",
+            block.word("D"),
+        )
+
     def degrees(self, word: Word) -> float:
         """An angle; without a point it may count thousandths of a degree."""
         whole = self.tracker.counts and "." not in word.raw
         return (word.value or 0.0) * (1e-3 if whole else 1.0)
 
-    # -- errors ------------------------------------------------------------------------------------
+    # -- notices and errors ------------------------------------------------------------------------
+
+    def tell(self, code: str, said: str) -> None:
+        """Leave a notice at the line at hand."""
+        self.notices.append(Notice(code, said, self.source))
 
     def fault(self, message: str, advice: str, word: Word | None = None) -> ProgramError:
         """An error at the block at hand, or at one of its words."""

@@ -12,13 +12,12 @@ from collections.abc import Mapping
 
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.curve import bezier
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
 from postproc.nc.expand.tracker import number
 
-SPLINE = 50
 E_DECIMALS = 5  # as slicers write it
 WORDS = {
     "X": "end",
@@ -32,20 +31,11 @@ WORDS = {
 }
 
 
-class MarlinSpline:
+class MarlinSpline(Cycle):
     """G5."""
 
-    modal = False
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        """The words of a curve."""
-        return (Form("a Bezier curve", WORDS),)
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
-
-    def end(self) -> None:
-        return
+    codes = (50,)
+    form = Form("a Bezier curve", WORDS)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The lines of the curve. Raises ProgramError."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.curve import Curve, bezier, uniform
-from postproc.nc.cycles.drilling import UNDEFINED, Outcome
+from postproc.nc.cycles.cycle import UNDEFINED, Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
@@ -43,7 +43,7 @@ FORMS = {
 }
 
 
-class Splines:
+class Splines(Cycle):
     """`poles`: of the NURBS that was begun, x (radius), y and weight."""
 
     def __init__(self, nurbs: bool = True):

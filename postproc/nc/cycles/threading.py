@@ -22,7 +22,7 @@ import math
 from dataclasses import dataclass
 
 from postproc.nc.cycles.block import Block
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
@@ -75,24 +75,16 @@ class Thread:
         return result + [self.depth] * (self.springs + 1)
 
 
-class LinuxcncThread:
+class LinuxcncThread(Cycle):
     """G76."""
 
-    modal = False
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        return (Form("a threading cycle", WORDS),)
-
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
+    codes = (760,)
+    form = Form("a threading cycle", WORDS)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The passes of a thread. Raises ProgramError."""
         thread = self._read(scene, block)
-        half = 2 if scene.is_diameter("X") else 1
+        half = scene.double("X")
         if half == 2:  # 2.9 halves I, J and K twice here, other releases once
             m = Moves(scene, own_words(block, LETTERS, {code}))
             m.move("G0", {"X": thread.end[0] * half, "Z": thread.end[1]})
@@ -133,7 +125,7 @@ class LinuxcncThread:
         """The words of the block. Raises ProgramError where LinuxCNC refuses them."""
         self._check(scene, block)
         pitch, i, j, k, q, r, h, e, flags = (block.get(x) or 0.0 for x in "PIJKQRHEL")
-        half = 2 if scene.is_diameter("X") else 1
+        half = scene.double("X")
         if i == 0 or j <= 0 or k <= j:
             raise scene.fault(
                 f"I{i:g} J{j:g} K{k:g} make no thread",

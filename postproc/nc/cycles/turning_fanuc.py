@@ -32,9 +32,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from postproc.errors import Notice, ProgramError
-from postproc.nc.cycles.block import Block, number_of
-from postproc.nc.cycles.drilling import UNDEFINED, Outcome
+from postproc.errors import ProgramError
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.cycle import UNDEFINED, Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.profile import NOSE, Element, Point, Profile, find, shape
 from postproc.nc.cycles.roughing_fanuc import MOST_PASSES, Pen, Roughing, draws_out
@@ -70,7 +70,7 @@ class Way:
 
 
 @dataclass
-class Repetitive:
+class Repetitive(Cycle):
     """G70 to G73 of one lathe. `roles`: ten times the G number to what it is: finish, rough, face,
     repeat."""
 
@@ -78,7 +78,9 @@ class Repetitive:
     haas: bool = False
     held: dict[str, dict[str, float]] = field(default_factory=dict)
     shapes: dict[tuple[int, int], int] = field(default_factory=dict)  # P, Q: the line of P
-    modal = False
+
+    def __post_init__(self) -> None:
+        self.codes = self.roles
 
     def forms(self, code: int) -> tuple[Form, ...]:
         """The words of one role: of the first of two blocks, and of the second one or of one
@@ -113,12 +115,6 @@ class Repetitive:
             ),
         )
 
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
-
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
         role, before = self.roles[code], self._before(scene, code)
@@ -139,12 +135,15 @@ class Repetitive:
         if role == "finish":
             if block.word("D"):
                 said = "D in G70 is passed over: the cut along the shape has no depth"
-                scene.notices.append(Notice("depth of G70", said, scene.source))
+                scene.tell("depth of G70", said)
             return self._finish(scene, profile, m, before)
         nose = self._nose(scene, code, profile, before)
-        start = (scene.at("Z"), scene.at("X") / _half(scene))
+        start = (scene.at("Z"), scene.at("X") / scene.double("X"))
         elements = shape(scene, self._moving(scene, code, profile), start, scene.code("motion"))
-        allowance = (_word(scene, block, "W", "Z"), _word(scene, block, "U", "X") / _half(scene))
+        allowance = (
+            scene.length_in(block, "W", "Z"),
+            scene.length_in(block, "U", "X") / scene.double("X"),
+        )
         way = Way(Pen(scene, m), elements, start, allowance)
         if before:
             m.line(b"G40")
@@ -162,7 +161,7 @@ class Repetitive:
             return profile
         if self.roles[code] != "finish":
             said = f"M{held[0][1].raw} in the shape of G{code / 10:g} is executed in G70 alone"
-            scene.notices.append(Notice(f"M of a shape {code}", said, scene.source))
+            scene.tell(f"M of a shape {code}", said)
         texts = [
             replace(b, words=tuple(w for w in b.words if w.letter != "M")) for b in profile.texts
         ]
@@ -195,7 +194,7 @@ class Repetitive:
         """G41 or G42 in the shape of a roughing or before it, if it goes by it; else ""."""
         if before:
             said = f"{before.strip()} before G{code / 10:g} {ALONG}"
-            scene.notices.append(Notice(f"nose {code}", said, scene.source))
+            scene.tell(f"nose {code}", said)
             return before
         side = next((c for b in profile.texts for c in b.codes if c in NOSE and c != 400), None)
         if side is None:
@@ -213,7 +212,7 @@ class Repetitive:
                 " there, and want it named before the cycle)"
             )
         )
-        scene.notices.append(Notice(f"nose {code}", f"{name} {said}", scene.source))
+        scene.tell(f"nose {code}", f"{name} {said}")
         return f" G{side // 10}" if self.haas else ""
 
     def _hold(self, scene: Scene, block: Block, role: str) -> None:
@@ -327,17 +326,14 @@ class Repetitive:
 
     def _drawn(self, scene: Scene, profile: Profile, moving: Profile) -> list[bytes]:
         """The blocks of a shape with corners or angles, each with the ends of its own elements."""
-        half, here = _half(scene), (scene.at("Z"), scene.at("X") / _half(scene))
+        half = scene.double("X")
+        here = (scene.at("Z"), scene.at("X") / half)
         elements = shape(scene, moving, here, scene.code("motion"))
         texts = []
         for row, block in enumerate(profile.texts):
             own = [e for e in elements if e.row == row]
             letters = "XZUWCRAIK" if own else ""
-            out = {
-                i
-                for i, w in enumerate(block.words)
-                if w.letter in letters or number_of(w) in (0, 10, CLOCKWISE, COUNTER)
-            }
+            out = own_words(block, letters, {0, 10, CLOCKWISE, COUNTER})
             lines = [
                 b" ".join(
                     [
@@ -351,15 +347,6 @@ class Repetitive:
             ]
             texts += [block.written(out, lines[0]), *lines[1:]] if own else [block.text]
         return texts
-
-
-def _half(scene: Scene) -> float:
-    return 2.0 if scene.is_diameter("X") else 1.0
-
-
-def _word(scene: Scene, block: Block, letter: str, axis: str) -> float:
-    word = block.word(letter)
-    return scene.length(word, axis) if word else 0.0
 
 
 def _pointless(scene: Scene, profile: Profile) -> str:

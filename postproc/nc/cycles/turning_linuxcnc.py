@@ -16,14 +16,14 @@ import math
 import re
 from dataclasses import replace
 
-from postproc.errors import Notice
-from postproc.nc.cycles.block import Block, Word, number_of
+from postproc.nc.cycles.block import Block, Word, number_of, without
 from postproc.nc.cycles.corners_linuxcnc import Finish, finished
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.offset import offset
-from postproc.nc.cycles.pockets_linuxcnc import TooMany, roughing, turning_back
-from postproc.nc.cycles.profile import Element, Profile, shape
+from postproc.nc.cycles.pockets_linuxcnc import roughing, turning_back
+from postproc.nc.cycles.profile import Element, Profile, TooMany, shape
+from postproc.nc.cycles.roughing_fanuc import Pen
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 from postproc.nc.cycles.words import Form
 
@@ -46,16 +46,10 @@ def _corners(profile: Profile) -> dict[int, Finish]:
     """A and C of the blocks by their numbers; they are taken out."""
     found = {}
     for row, block in enumerate(profile.texts):
-        own = {i for i, w in enumerate(block.words) if w.letter in "AC"}
-        if own:
-            word = block.words[min(own)]
+        word = next((w for w in block.words if w.letter in "AC"), None)
+        if word is not None:
             found[row] = Finish(word.letter, word.value or 0.0)
-            profile.texts[row] = Block(
-                block.text,
-                tuple(w for i, w in enumerate(block.words) if i not in own),
-                block.plain,
-                block.skip,
-            )
+            profile.texts[row] = without(block, "AC")
     return found
 
 
@@ -91,10 +85,10 @@ def _no_motion(word: Word) -> bool:
     return number is not None and number not in (0, 10, CLOCKWISE, COUNTER)
 
 
-class LinuxcncTurning:
+class LinuxcncTurning(Cycle):
     """G70, G71, G72."""
 
-    modal = False
+    codes = (700, 710, 711, 712, 720, 721, 722)
 
     def forms(self, code: int) -> tuple[Form, ...]:
         """The words of the cycle (convert_g7x of the interpreter)."""
@@ -102,18 +96,11 @@ class LinuxcncTurning:
             return (Form(KIND, never=ENDLESS),)
         return (Form(KIND, FINISH) if code == 700 else Form(KIND, ROUGH, refused=MOVES, zero="UW"),)
 
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
-
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of the block. Raises ProgramError."""
         self._check(scene, block, code)
-        half = 2 if scene.is_diameter("X") else 1
         begin = {x: block.get(x) if block.get(x) is not None else scene.at(x) for x in "XZ"}
-        corner = begin["Z"] or 0.0, (begin["X"] or 0.0) / half
+        corner = begin["Z"] or 0.0, (begin["X"] or 0.0) / scene.double("X")
         profile = self._subroutine(scene, block, begin)
         corners = _corners(profile)
         elements = shape(scene, profile, corner, scene.code("motion"))
@@ -122,14 +109,15 @@ class LinuxcncTurning:
                 "the shape has one block", "it needs one to its first point, and the shape"
             )
         m = Moves(scene, own_words(block, LETTERS, {code}))
-        self._to(m, "G0", corner)
+        pen = Pen(scene, m)
+        pen.to("G0", corner)
         along = self._along(scene, elements) if code == 700 else int(code >= 720)
         elements = finished(scene, elements, corners, along)
         elements = _straight_in(elements, along)
         if code == 700:
-            self._finish(scene, block, elements, m, along)
+            self._finish(scene, block, elements, pen, along)
         else:
-            self._rough(scene, block, elements, m, code)
+            self._rough(scene, block, elements, pen, code)
         return Outcome(m.finish())
 
     @staticmethod
@@ -238,7 +226,7 @@ class LinuxcncTurning:
             )
 
     def _finish(
-        self, scene: Scene, block: Block, elements: list[Element], m: Moves, along: int
+        self, scene: Scene, block: Block, elements: list[Element], pen: Pen, along: int
     ) -> None:
         """G70: along the shape, P times, from distance D to E."""
         p, d, e = (block.get(x) for x in "PDE")
@@ -253,10 +241,10 @@ class LinuxcncTurning:
             )
         for k in range(int(times), 0, -1):
             path = self._at(scene, elements, (k - 1) * (d - e) / times + e, along)
-            self._to(m, "G0", path[0].start)
-            self._to(m, "G0", path[0].end)
+            pen.to("G0", path[0].start)
+            pen.to("G0", path[0].end)
             for x in path[1:]:
-                self._element(m, x)
+                pen.centred(x, "G1")
 
     def _roughed(
         self, scene: Scene, block: Block, elements: list[Element], deep: int
@@ -280,19 +268,19 @@ class LinuxcncTurning:
                 f"D{d:g} leaves nothing on this shape of one line: LinuxCNC cuts by that beyond it,"
                 " towards " + ("+X" if deep else "-Z") + ", and is followed"
             )
-            scene.notices.append(Notice("distance of a line", said, scene.source))
+            scene.tell("distance of a line", said)
         return moved, levels
 
     def _rough(
-        self, scene: Scene, block: Block, elements: list[Element], m: Moves, code: int
+        self, scene: Scene, block: Block, elements: list[Element], pen: Pen, code: int
     ) -> None:
         """G71 and G72, with pockets, without, or pockets alone."""
         deep = 1 if code < 720 else 0
         elements, levels = self._roughed(scene, block, elements, deep)
         if not levels:
-            self._to(m, "G0", elements[0].start)
+            pen.to("G0", elements[0].start)
             for e in elements:
-                self._to(m, "G1", e.end)
+                pen.to("G1", e.end)
             return
         step = block.get("I")
         retract = block.get("R")
@@ -317,30 +305,4 @@ class LinuxcncTurning:
             raise scene.fault(
                 "this shape is never roughed out", "LinuxCNC does not end with it: write it out"
             ) from None
-        for s in way:
-            if s.code in ("G0", "G1"):
-                self._to(m, s.code, s.end)
-            else:
-                self._arc(m, s.code, s.end, s.centre)
-
-    @staticmethod
-    def _to(m: Moves, code: str, to: tuple[float, float]) -> None:
-        half = 2 if m.scene.is_diameter("X") else 1
-        m.move(code, {"X": to[1] * half, "Z": to[0]})
-
-    def _element(self, m: Moves, e: Element) -> None:
-        if e.is_arc:
-            self._arc(m, "G2" if e.code == CLOCKWISE else "G3", e.end, e.centre)
-        else:
-            self._to(m, "G1", e.end)
-
-    @staticmethod
-    def _arc(m: Moves, code: str, end: tuple[float, float], centre: tuple[float, float]) -> None:
-        """An arc from where the last motion ended."""
-        scene = m.scene
-        half = 2 if scene.is_diameter("X") else 1
-        words = [
-            scene.text("I", centre[1] - scene.at("X") / half),
-            scene.text("K", centre[0] - scene.at("Z")),
-        ]
-        m.move(code, {"X": end[1] * half, "Z": end[0]}, *words)
+        pen.steps(way)

@@ -8,8 +8,11 @@ operator's manual 96-8900, G90, G94. Threads (G76, G92) have a run-out that para
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from postproc.nc.cycles.block import Block
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
+from postproc.nc.cycles.grooving_fanuc import named_end, refuse_nose
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
@@ -19,7 +22,7 @@ OWN = "XZUWPQRDIKA"
 PLACES = {"X": "end", "Z": "end", "U": "end, from the start", "W": "end, from the start"}
 
 
-class Turn:
+class Turn(Cycle):
     """G90 (G77), straight or tapered along Z, and G94 (G79) along X: in, cut, out, back. Its words
     hold.
 
@@ -27,14 +30,11 @@ class Turn:
 
     modal = True
 
-    def __init__(self, facing: bool, haas: bool = False):
-        self.facing = facing
+    def __init__(self, codes: Iterable[int], facing: bool, haas: bool = False):
+        self.codes, self.facing = codes, facing
         self.tapers = ("K" if facing else "I") + "R" * (not haas)
+        self.form = Form(KIND, PLACES | dict.fromkeys(self.tapers, "taper"), increments=True)
         self.end()
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        """The words of the cycle."""
-        return (Form(KIND, PLACES | dict.fromkeys(self.tapers, "taper"), increments=True),)
 
     def end(self) -> None:
         self.to: dict[str, float] = {}
@@ -43,24 +43,14 @@ class Turn:
     def wants(self, scene: Scene, block: Block) -> bool:
         return any(block.get(x) is not None for x in "XZUW" + self.tapers)
 
-    # Whole: four lines to each of two directions, behind a list of refusals.
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
-        if scene.code("cutter") in (410, 420):
-            raise scene.fault(
-                f"G{code / 10:g} with nose radius compensation on", "write G40 before it"
-            )
+        refuse_nose(scene, code)
         m = Moves(scene, own_words(block, "XZUW" + self.tapers, {code}))
         if not self.wants(scene, block):
             return Outcome(m.finish())
         start = {x: scene.at(x) for x in "XZ"}
-        for axis in "XZ":
-            absolute, increment = block.word(axis), block.word("U" if axis == "X" else "W")
-            if increment:
-                self.to[axis] = start[axis] + scene.length(increment, axis)
-            elif absolute:
-                value = scene.length(absolute, axis)
-                self.to[axis] = start[axis] + value if scene.incremental else value
+        self.to |= named_end(scene, block, start)
         missing = [x for x in "XZ" if x not in self.to]
         if missing:
             raise scene.fault(
@@ -91,17 +81,14 @@ class Turn:
         return Outcome(m.finish())
 
 
-class Stays:
+class Stays(Cycle):
     """A thread: it begins and ends in its start point, and stays as it is written."""
 
-    def __init__(self, modal: bool):
-        self.modal = modal
+    form = Form("a threading cycle", stays=True)
+    modal = False
 
-    def forms(self, code: int) -> tuple[Form, ...]:
-        return (Form("a threading cycle", stays=True),)
-
-    def end(self) -> None:
-        return
+    def __init__(self, codes: Iterable[int], modal: bool):
+        self.codes, self.modal = codes, modal
 
     def wants(self, scene: Scene, block: Block) -> bool:
         return any(block.get(x) is not None for x in "XZUWR")

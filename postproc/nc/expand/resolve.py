@@ -15,10 +15,10 @@ from collections.abc import Callable
 from postproc.errors import BlockFault, ProgramError
 from postproc.motions import Motions
 from postproc.nc.codes import FRAME_KEYS, KEYWORD, KEYWORDS
-from postproc.nc.cycles import Cycle, family
+from postproc.nc.cycles import family
 from postproc.nc.cycles.affine import AXES
 from postproc.nc.cycles.block import Block, blocks
-from postproc.nc.cycles.drilling import UNDEFINED
+from postproc.nc.cycles.cycle import UNDEFINED, Cycle
 from postproc.nc.cycles.scene import CHORD_MM, Scene
 from postproc.nc.cycles.words import form_of
 from postproc.nc.expand import Line, Program, fault
@@ -62,7 +62,7 @@ class Resolver:
         self.scene.tolerance = tolerance
         self.family = family(tracker.dialect, synchronised)
         self.control = self.family.control(self.scene) if self.family.control else None
-        self.before_it = self.family.before(self.scene) if self.family.before else None
+        self.before_it = self.family.before(self.scene)
         if self.control:
             self.scene.frame = self.control.known
         self.active: Cycle | None = None

@@ -1,0 +1,53 @@
+"""What the code that follows a batch asks of it again and again, and the notices that it leaves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.errors import Notice
+from postproc.nc.batch import NO_WORDS, Batch
+from postproc.records import replace
+
+
+def tell(b: Batch, code: str, said: str, block: int) -> None:
+    """Leave a notice at a block."""
+    b.notices.append(Notice(code, said, int(b.words.line[block])))
+
+
+def words_of(b: Batch, letter: str) -> np.ndarray:
+    """(K,) the words with this letter."""
+    place: np.ndarray = b.places.get(letter, NO_WORDS)
+    return place
+
+
+def names(b: Batch, letters: str) -> np.ndarray:
+    """(B,) bool: blocks that have one of these letters."""
+    found = np.zeros(b.n, bool)
+    for letter in letters:
+        found[b.words.block[words_of(b, letter)]] = True
+    return found
+
+
+def word_column(b: Batch, place: np.ndarray | None) -> np.ndarray:
+    """(B,) the one of the words `place` (K,) that stands in each block, -1: none."""
+    column = np.full(b.n, -1, np.int64)
+    if place is not None:
+        column[b.words.block[place]] = place
+    return column
+
+
+def at_first(b: Batch, group: str) -> int:
+    """The code of a modal group in force in the first block."""
+    return int(np.broadcast_to(b.held(group), b.n)[0])
+
+
+def unit_at_first(b: Batch, letter: str = "Z") -> int:
+    """Ticks of one unit of an axis in the first block."""
+    return int(np.broadcast_to(b.unit_scale(letter)[0], b.n)[0])
+
+
+def lose(b: Batch, letters: str) -> None:
+    """From here on it is not known where these axes stand."""
+    known = b.state.known.copy()
+    known[[row for x, row in b.rows.items() if x in letters]] = False
+    b.state = replace(b.state, known=known)
