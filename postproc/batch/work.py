@@ -86,9 +86,8 @@ def _machine(name: str, temperatures: tuple[tuple[str, float], ...], only: tuple
 
 
 def _page(done, target: Path) -> None:
-    import io
 
     from postproc.pages import program
 
     page = program.html(done.filter, done.verifier, done.why).encode("utf-8")
-    ports.replace_file(target.with_name(target.name + ".html"), io.BytesIO(page), backup=False)
+    ports.write_whole(target.with_name(target.name + ".html"), page)

@@ -205,7 +205,7 @@ def _table(path: Path, results: list[dict[str, Any]]) -> None:
 
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([COLUMNS, *map(row, results)])
-    ports.replace_file(path, io.BytesIO(text.getvalue().encode("utf-8")), backup=False)
+    ports.write_whole(path, text.getvalue().encode("utf-8"))
 
 
 def _report(results: list[dict[str, Any]], folder: Path, options: argparse.Namespace) -> int:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import hashlib
-import io
 import os
 import shutil
 import tempfile
@@ -299,11 +298,11 @@ def _page(name: str, calibration: Calibration, texts: dict[str, str], machine: s
         except MachineError:  # said where the folder is written
             found = calibration.machine
     html = pages.calibrated_html(found, machine, calibration.findings)
-    ports.replace_file(Path(name), io.BytesIO(html.encode("utf-8")), backup=False)
+    ports.write_whole(name, html.encode("utf-8"))
 
 
 def _figure(name: str, calibration: Calibration) -> None:
     kind = Path(name).suffix.lower().lstrip(".")
     if kind not in figure.FORMATS:
         raise UsageError(f"--figure {name}: a picture ends in one of {', '.join(figure.FORMATS)}")
-    ports.replace_file(Path(name), io.BytesIO(figure.draw(calibration, kind)), backup=False)
+    ports.write_whole(name, figure.draw(calibration, kind))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import io
 import sys
 import time
 from pathlib import Path
@@ -172,7 +171,7 @@ def _put_page(done: attempts.Attempt, name: str) -> None:
 
     assert done.verifier is not None
     data = program.html(done.filter, done.verifier, done.why).encode("utf-8")
-    ports.replace_file(Path(name), io.BytesIO(data), backup=False)
+    ports.write_whole(name, data)
 
 
 def _put_json(done: attempts.Attempt, name: str) -> None:

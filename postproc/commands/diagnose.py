@@ -4,7 +4,6 @@ and how the fit improves."""
 from __future__ import annotations
 
 import argparse
-import io
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -153,7 +152,7 @@ def corrected(read: list[Recording], said: bool) -> bool:
 
 def _write(path: str, text: str) -> None:
     """A whole file or none."""
-    ports.replace_file(Path(path), io.BytesIO(text.encode()), False)
+    ports.write_whole(path, text.encode())
 
 
 class _Progress:

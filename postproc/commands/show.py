@@ -4,7 +4,6 @@ browser."""
 from __future__ import annotations
 
 import argparse
-import io
 import sys
 import tempfile
 import webbrowser
@@ -51,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
     compensate.warn_of_nothing(done.filter, name)
     data = program.html(done.filter, done.verifier, done.why).encode("utf-8")
     path = Path(options.output) if options.output else _place(name)
-    ports.replace_file(path, io.BytesIO(data), backup=False)
+    ports.write_whole(path, data)
     opened = not options.output and webbrowser.open(path.resolve().as_uri())
     if not options.quiet:
         print(f"gcomp: {'opened' if opened else 'written'}: {path}", file=sys.stderr)

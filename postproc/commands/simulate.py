@@ -339,4 +339,4 @@ def _write(name: str, data: bytes) -> None:
     if name == "-":
         ports.write_standard(data)
         return
-    ports.replace_file(Path(name), io.BytesIO(data), backup=False)
+    ports.write_whole(name, data)

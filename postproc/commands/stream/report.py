@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import io
 import os
 from pathlib import Path
 from typing import Any
@@ -70,8 +69,4 @@ def write(
     if options.report and not plain:
         from postproc.pages import run
 
-        ports.replace_file(
-            Path(options.report),
-            io.BytesIO(run.html(fields, history.samples, ended).encode()),
-            backup=False,
-        )
+        ports.write_whole(options.report, run.html(fields, history.samples, ended).encode())
