@@ -101,10 +101,7 @@ def _component(table: AxisTable, row: int, letter: str, unit: str) -> str:
 
 def _squareness(machine: Machine) -> list[str]:
     return [
-        f"\nsquareness {'ABC'[i]}0{letter}  {value / URAD:+.1f} urad"
-        for letter, lean in machine.square.items()
-        for i, value in enumerate(lean)
-        if value
+        f"\nsquareness {name}  {value / URAD:+.1f} urad" for name, value in machine.angles.items()
     ] + [
         f"squareness {name} is known to +- {u / URAD:.1f} urad (95 %)"
         for name, u in machine.square_u.items()

@@ -14,6 +14,7 @@ from postproc.machine import rotary
 from postproc.machine.axis import Axis, Driver, Expansion
 from postproc.machine.chain import (
     LINEAR,
+    ROTARY,
     XYZ,
     Arms,
     Chain,
@@ -191,6 +192,16 @@ class Stated:
         for x, lean in self.square.items():
             found.setdefault(x, np.zeros(6))[3:] += lean
         return found
+
+    @cached_property
+    def angles(self) -> dict[str, float]:
+        """rad: each squareness that is not zero, by its name: C0Y."""
+        return {
+            f"{ROTARY[i]}0{x}": float(value)
+            for x, lean in self.square.items()
+            for i, value in enumerate(lean)
+            if value
+        }
 
     @cached_property
     def is_zero(self) -> bool:
