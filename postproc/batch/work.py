@@ -89,5 +89,5 @@ def _page(done, target: Path) -> None:
 
     from postproc.pages import program
 
-    page = program.html(done.filter, done.verifier, done.why).encode("utf-8")
-    ports.write_whole(target.with_name(target.name + ".html"), page)
+    page = program.page(done.filter, done.verifier, done.why)
+    page.write(target.with_name(target.name + ".html"))

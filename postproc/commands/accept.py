@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 
-from postproc import ports
 from postproc.accept import judge, pairing, report
 from postproc.commands import as_json, option_text
 from postproc.commands.recording_files import read_files, reading_arguments, reading_options
@@ -60,6 +59,6 @@ def run(options: argparse.Namespace) -> int:
     if options.page:
         from postproc.pages import accepted
 
-        ports.write_whole(options.page, accepted.html(found, name).encode())
+        accepted.page(found, name).write(options.page)
     as_json.put(options.json, report.as_json(found, name))
     return 0

@@ -297,8 +297,7 @@ def _page(name: str, calibration: Calibration, texts: dict[str, str], machine: s
             found = read_machine(folder_)
         except MachineError:  # said where the folder is written
             found = calibration.machine
-    html = pages.calibrated_html(found, machine, calibration.findings)
-    ports.write_whole(name, html.encode("utf-8"))
+    pages.calibrated(found, machine, calibration.findings).write(name)
 
 
 def _figure(name: str, calibration: Calibration) -> None:

@@ -170,8 +170,7 @@ def _put_page(done: attempts.Attempt, name: str) -> None:
     from postproc.pages import program
 
     assert done.verifier is not None
-    data = program.html(done.filter, done.verifier, done.why).encode("utf-8")
-    ports.write_whole(name, data)
+    program.page(done.filter, done.verifier, done.why).write(name)
 
 
 def _put_json(done: attempts.Attempt, name: str) -> None:

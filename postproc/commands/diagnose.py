@@ -107,10 +107,8 @@ def _write_files(options: argparse.Namespace, found: Diagnosis, progress: _Progr
         from postproc.pages import diagnosis
 
         progress("drawing")
-        _write(
-            options.report,
-            diagnosis.html(found, options.write_machine or "", tuple(options.accept)),
-        )
+        page = diagnosis.page(found, options.write_machine or "", tuple(options.accept))
+        page.write(options.report)
         progress("")
 
 

@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
     if options.report:
         from postproc.pages import measured
 
-        ports.write_whole(options.report, measured.html(results, left).encode("utf-8"))
+        measured.page(results, left).write(options.report)
     if options.figure:
         ports.write_whole(options.figure, picture)
     as_json.put(options.json, report.as_json(results, left))

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 
-from postproc import ports
 from postproc.commands import as_json, machine_facts, machine_new, option_text
 from postproc.commands.machine_shown import show
 from postproc.errors import GcompError, UsageError
@@ -71,9 +70,9 @@ def _list(options: argparse.Namespace) -> int:
 
 def _show(machine: Machine, options: argparse.Namespace) -> int:
     if options.report:
-        from postproc.pages import machine as page
+        from postproc.pages import machine as pages
 
-        ports.write_whole(options.report, page.html(machine).encode("utf-8"))
+        pages.page(machine).write(options.report)
     print(show(machine), file=as_json.beside(options.json))
     as_json.put(options.json, machine_facts.document([machine_facts.of(machine)]))
     return 0

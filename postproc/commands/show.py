@@ -48,9 +48,9 @@ def run(options: argparse.Namespace) -> int:
     done.spool.close()
     assert done.verifier is not None
     compensate.warn_of_nothing(done.filter, name)
-    data = program.html(done.filter, done.verifier, done.why).encode("utf-8")
+    page = program.page(done.filter, done.verifier, done.why)
     path = Path(options.output) if options.output else _place(name)
-    ports.write_whole(path, data)
+    page.write(path)
     opened = not options.output and webbrowser.open(path.resolve().as_uri())
     if not options.quiet:
         print(f"gcomp: {'opened' if opened else 'written'}: {path}", file=sys.stderr)

@@ -26,12 +26,7 @@ ROLES = ("plus", "minus", "after", "limit", "open", "still")
 LEAN = 8.0  # degrees, as which the largest angle is drawn
 
 
-def html(machine: Machine) -> str:
-    """The file's text of `page`."""
-    return page(machine).html()
-
-
-def calibrated_html(machine: Machine, name: str, findings: Sequence[Finding]) -> str:
+def calibrated(machine: Machine, name: str, findings: Sequence[Finding]) -> Page:
     """The page of a machine that was made of recordings; findings come first: what looks wrong in
     them."""
     made = page(machine)
@@ -47,7 +42,7 @@ def calibrated_html(machine: Machine, name: str, findings: Sequence[Finding]) ->
     if notes := [f.message for f in findings if f.level != "doubt"]:
         made.section("To know")
         made.listing(notes)
-    return made.html()
+    return made
 
 
 def page(machine: Machine) -> Page:

@@ -7,7 +7,6 @@ import os
 from pathlib import Path
 from typing import Any
 
-from postproc import ports
 from postproc.commands import as_json
 from postproc.errors import UsageError
 
@@ -69,4 +68,4 @@ def write(
     if options.report and not plain:
         from postproc.pages import run
 
-        ports.write_whole(options.report, run.html(fields, history.samples, ended).encode())
+        run.page(fields, history.samples, ended).write(options.report)
