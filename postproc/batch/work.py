@@ -23,12 +23,7 @@ def work(job: Job, options: argparse.Namespace) -> dict[str, Any]:
     """Correct a program and write it whole, or not at all. Never raises for what a program or a
     file is: that is told."""
     started = time.monotonic()
-    result: dict[str, Any] = {
-        "program": job.program,
-        "machine": job.machine,
-        "output": job.output,
-        "pid": os.getpid(),
-    }
+    result: dict[str, Any] = {**job.named, "pid": os.getpid()}
     try:
         result |= _corrected(job, options)
     except GcompError as error:

@@ -81,20 +81,10 @@ class Attempt:
         return cls(filter_, verifier)
 
 
-def best(
-    options: argparse.Namespace,
-    machine: Machine,
-    source: ports.Kept,
-    name: str,
-    head: bytes,
-    step: Callable[[int], None],
-) -> Attempt:
-    """The whole program, accepted. Raises GcompError with what a person must do, else."""
-    return _Tries(options, machine, source, name, head, step).best()
-
-
 @mutable
-class _Tries:
+class Tries:
+    """Of one whole program."""
+
     options: argparse.Namespace
     machine: Machine
     source: ports.Kept
@@ -104,6 +94,7 @@ class _Tries:
     left: bool = False  # a file stands beside the program that would have to be read
 
     def best(self) -> Attempt:
+        """Accepted. Raises GcompError with what a person must do, else."""
         try:
             return self._one_run(self.options)
         except ProgramError as error:

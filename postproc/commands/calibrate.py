@@ -92,12 +92,7 @@ def like_of(name: str | None) -> dict[str, Any]:
     if not name:
         return {}
     places.load(name)  # refuses with file and line what is no machine
-    path = Path(name)
-    if not (path / "machine.toml").is_file() or (
-        len(path.parts) == 1 and not path.is_absolute() and name in places.every()
-    ):
-        path = places.every().get(name, path)
-    return intake.toml(ports.read_whole(path / "machine.toml", intake.MACHINE).decode("utf-8-sig"))
+    return places.stated(name)
 
 
 def of_single_slides(chain: chains.Chain, command: str) -> None:

@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
         else:
             kept = ports.Kept(source, intake.PROGRAM)
             with progress(size, options) as step:
-                done = attempts.best(options, machine, kept, name, ports.head(source), step)
+                done = attempts.Tries(options, machine, kept, name, ports.head(source), step).best()
             _put(done, options)
     if options.report:
         _put_page(done, options.report)

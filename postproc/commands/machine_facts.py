@@ -33,7 +33,7 @@ def of(machine: Machine) -> dict[str, Any]:
         "control": machine.control,
         "map": machine.digest,
         "source": machine.source or None,
-        "chain": chain(machine),
+        "chain": machine.chain.links,
         "diameter": list(machine.diameter),
         "axes": {x: _axis(axis) for x, axis in machine.axes.items()},
         "squareness_urad": {name: value / URAD for name, value in machine.angles.items()},
@@ -88,13 +88,6 @@ def known(machine: Machine) -> str:
         f"the map itself is known to +- {micrometres(worst)} um (95 %) on its"
         f" nodes{unstated(found.missing)}"
     )
-
-
-def chain(machine: Machine) -> list[str]:
-    axes = list(machine.chain.axes)
-    return [
-        "w", *axes[: machine.chain.workpiece_side], "b", *axes[machine.chain.workpiece_side :], "t",
-    ]  # fmt: skip
 
 
 def largest(machine: Machine) -> float:

@@ -33,10 +33,7 @@ def show(machine: Machine) -> str:
 def _head(machine: Machine) -> list[str]:
     lines = [
         f"{machine.name}: {machine.title}",
-        (
-            f"control {machine.control}, chain {'-'.join(machine_facts.chain(machine))}, map"
-            f" {machine.digest}"
-        ),
+        (f"control {machine.control}, chain {'-'.join(machine.chain.links)}, map {machine.digest}"),
     ]
     if machine.diameter:
         lines.append(

@@ -42,9 +42,9 @@ def run(options: argparse.Namespace) -> int:
         ports.opened(options.file) as (source, name, size),
         compensate.progress(size, options) as step,
     ):
-        done = attempts.best(
+        done = attempts.Tries(
             options, machine, ports.Kept(source, intake.PROGRAM), name, ports.head(source), step
-        )
+        ).best()
     done.spool.close()
     assert done.verifier is not None
     compensate.warn_of_nothing(done.filter, name)
