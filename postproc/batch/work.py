@@ -64,7 +64,7 @@ def _corrected(job: Job, options: argparse.Namespace) -> dict[str, Any]:
         target.parent.mkdir(parents=True, exist_ok=True)
         ports.replace_file(target, spool, backup=False)
     if options.report:
-        _page(done, target)
+        done.page().write(target.with_name(target.name + ".html"))
     return {
         "status": DONE,
         "sha256": sha.hexdigest(),
@@ -78,11 +78,3 @@ def _machine(name: str, temperatures: tuple[tuple[str, float], ...], only: tuple
     from postproc.api.machines import load_machine
 
     return load_machine(name, dict(temperatures), only)
-
-
-def _page(done, target: Path) -> None:
-
-    from postproc.pages import program
-
-    page = program.page(done.filter, done.verifier, done.why)
-    page.write(target.with_name(target.name + ".html"))

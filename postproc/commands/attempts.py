@@ -25,6 +25,7 @@ from postproc.machine.model import Machine
 from postproc.records import mutable
 
 if TYPE_CHECKING:
+    from postproc.pages.frame import Page
     from postproc.verify import Verifier
 
 # A block that the operator's switch takes out, and that decides which text runs: a call, a jump, a
@@ -62,6 +63,13 @@ class Attempt:
             f" correction {s.largest * 1000:.1f} um, tolerance"
             f" {filter_.compensator.tolerance * 1000:g} um"
         )
+
+    def page(self) -> Page:
+        """Of an attempt that was verified, with a trace."""
+        from postproc.pages import program
+
+        assert self.verifier is not None
+        return program.page(self.filter, self.verifier, self.why)
 
     @classmethod
     def fresh(

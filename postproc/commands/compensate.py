@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
                 done = attempts.Tries(options, machine, kept, name, ports.head(source), step).best()
             _put(done, options)
     if options.report:
-        _put_page(done, options.report)
+        done.page().write(options.report)
     if asked:
         _say_verified(done, options, machine)
     if left := reading.left_by_only(options):
@@ -164,13 +164,6 @@ def _put(done: attempts.Attempt, options: argparse.Namespace) -> None:
             ports.replace_file(Path(options.output), spool, backup=False)
         else:
             ports.copy_out(spool, ports.write_standard)
-
-
-def _put_page(done: attempts.Attempt, name: str) -> None:
-    from postproc.pages import program
-
-    assert done.verifier is not None
-    program.page(done.filter, done.verifier, done.why).write(name)
 
 
 def _put_json(done: attempts.Attempt, name: str) -> None:

@@ -308,7 +308,5 @@ def _write(found: list[Recording], path: str, files: list[str], force: bool) -> 
         raise UsageError(f"--as {path} is the file that is read", "another name")
     if not force:
         standing.result(path, marks.SIMULATED, "another name, or --force to write over it")
-    with ports.spool() as spool:
-        spool.write(contract.write(found[0]).encode("utf-8"))
-        ports.replace_file(Path(path), spool, backup=False)
+    ports.write_whole(path, contract.write(found[0]).encode("utf-8"))
     return f"written: {path}, {len(found[0])} rows"

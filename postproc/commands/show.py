@@ -29,8 +29,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from postproc.pages import program
-
     options.verify, options.in_place, options.unbuffered, options.filter_progress = (
         True, False, False, False,
     )  # fmt: skip
@@ -46,9 +44,8 @@ def run(options: argparse.Namespace) -> int:
             options, machine, ports.Kept(source, intake.PROGRAM), name, ports.head(source), step
         ).best()
     done.spool.close()
-    assert done.verifier is not None
     compensate.warn_of_nothing(done.filter, name)
-    page = program.page(done.filter, done.verifier, done.why)
+    page = done.page()
     path = Path(options.output) if options.output else _place(name)
     page.write(path)
     opened = not options.output and webbrowser.open(path.resolve().as_uri())

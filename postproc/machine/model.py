@@ -53,8 +53,7 @@ class Machine(Stated):
         least = np.zeros(len(self.letters))
         for row in self.corrected:
             nodes = np.concatenate(self.knots.get(self.letters[row], [np.zeros(1)]))
-            place = np.zeros((len(self.letters), len(nodes)))
-            place[row] = nodes
+            place = self.at({self.letters[row]: nodes}, len(nodes))
             least[row] = self.lost_motion(place, np.array([row])).min(initial=0.0)
         return least
 

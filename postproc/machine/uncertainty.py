@@ -93,8 +93,7 @@ class AlongPath:
         return u
 
     def _with(self, tool: np.ndarray) -> MapUncertainty:
-        letters = self.known.machine.letters
-        x, y, z = (float(tool[letters.index(x)]) if x in letters else 0.0 for x in XYZ)
+        x, y, z = self.known.machine.xyz(tool).tolist()
         if (x, y, z) not in self.with_tool:
             self.with_tool[x, y, z] = self.known.with_tool((x, y, z))
         return self.with_tool[x, y, z]
