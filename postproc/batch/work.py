@@ -64,7 +64,9 @@ def _corrected(job: Job, options: argparse.Namespace) -> dict[str, Any]:
         target.parent.mkdir(parents=True, exist_ok=True)
         ports.replace_file(target, spool, backup=False)
     if options.report:
-        done.page().write(target.with_name(target.name + ".html"))
+        ports.write_whole(
+            target.with_name(target.name + ".html"), done.page().html().encode("utf-8")
+        )
     return {
         "status": DONE,
         "sha256": sha.hexdigest(),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from postproc import ports
 from postproc.accept import judge, pairing, report
 from postproc.commands import as_json, option_text
 from postproc.commands.recording_files import read_files, reading_arguments, reading_options
@@ -59,6 +60,6 @@ def run(options: argparse.Namespace) -> int:
     if options.page:
         from postproc.pages import accepted
 
-        accepted.page(found, name).write(options.page)
+        ports.write_whole(options.page, accepted.page(found, name).html().encode("utf-8"))
     as_json.put(options.json, report.as_json(found, name))
     return 0

@@ -15,7 +15,7 @@ from postproc import intake, ports, standing
 from postproc.calibrate import CalibrationError, Options, figure, folder, report
 from postproc.calibrate.calibration import Calibration
 from postproc.calibrate.run import calibrate
-from postproc.commands import as_json, session
+from postproc.commands import as_json, reading, session
 from postproc.commands.calibrate_options import arguments, datum_of
 from postproc.commands.recording_files import files_of, read_files, reading_options
 from postproc.errors import MachineError, UsageError
@@ -92,7 +92,7 @@ def like_of(name: str | None) -> dict[str, Any]:
     if not name:
         return {}
     places.load(name)  # refuses with file and line what is no machine
-    return places.stated(name)
+    return reading.stated(name)
 
 
 def of_single_slides(chain: chains.Chain, command: str) -> None:
@@ -292,7 +292,8 @@ def _page(name: str, calibration: Calibration, texts: dict[str, str], machine: s
             found = read_machine(folder_)
         except MachineError:  # said where the folder is written
             found = calibration.machine
-    pages.calibrated(found, machine, calibration.findings).write(name)
+    page = pages.calibrated(found, machine, calibration.findings)
+    ports.write_whole(name, page.html().encode("utf-8"))
 
 
 def _figure(name: str, calibration: Calibration) -> None:

@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
                 done = attempts.Tries(options, machine, kept, name, ports.head(source), step).best()
             _put(done, options)
     if options.report:
-        done.page().write(options.report)
+        ports.write_whole(options.report, done.page().html().encode("utf-8"))
     if asked:
         _say_verified(done, options, machine)
     if left := reading.left_by_only(options):

@@ -108,7 +108,7 @@ def _write_files(options: argparse.Namespace, found: Diagnosis, progress: _Progr
 
         progress("drawing")
         page = diagnosis.page(found, options.write_machine or "", tuple(options.accept))
-        page.write(options.report)
+        ports.write_whole(options.report, page.html().encode("utf-8"))
         progress("")
 
 

@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
     if options.report:
         from postproc.pages import measured
 
-        measured.page(results, left).write(options.report)
+        ports.write_whole(options.report, measured.page(results, left).html().encode("utf-8"))
     if options.figure:
         ports.write_whole(options.figure, picture)
     as_json.put(options.json, report.as_json(results, left))

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 
+from postproc import ports
 from postproc.commands import as_json, machine_facts, machine_new, option_text
 from postproc.commands.machine_shown import show
 from postproc.errors import GcompError, UsageError
@@ -72,7 +73,7 @@ def _show(machine: Machine, options: argparse.Namespace) -> int:
     if options.report:
         from postproc.pages import machine as pages
 
-        pages.page(machine).write(options.report)
+        ports.write_whole(options.report, pages.page(machine).html().encode("utf-8"))
     print(show(machine), file=as_json.beside(options.json))
     as_json.put(options.json, machine_facts.document([machine_facts.of(machine)]))
     return 0

@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     compensate.warn_of_nothing(done.filter, name)
     page = done.page()
     path = Path(options.output) if options.output else _place(name)
-    page.write(path)
+    ports.write_whole(path, page.html().encode("utf-8"))
     opened = not options.output and webbrowser.open(path.resolve().as_uri())
     if not options.quiet:
         print(f"gcomp: {'opened' if opened else 'written'}: {path}", file=sys.stderr)

@@ -288,9 +288,7 @@ def _read(options: argparse.Namespace, machine: Machine, text: bytes, name: str)
 
 def _stated(name: str) -> dict[str, Any]:
     """The [axes.X] sections of a machine's file, which has been read and found good."""
-    from postproc.machine import places
-
-    return dict(places.stated(name)["axes"])
+    return dict(reading.stated(name)["axes"])
 
 
 def _held(machine: Machine, position: dict) -> Iterator[Notice]:

@@ -4,9 +4,7 @@ order."""
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
-from postproc import intake, ports
 from postproc.errors import UsageError
 from postproc.machine.file import read_machine
 from postproc.machine.model import Machine
@@ -56,13 +54,6 @@ def folder_of(name: str) -> Path:
             " or give the path of a machine folder",
         )
     return found[name]
-
-
-def stated(name: str) -> dict[str, Any]:
-    """What machine.toml says of the machine called `name`, or of that path, as it is written; it
-    has been read and found good."""
-    text = ports.read_whole(folder_of(name) / "machine.toml", intake.MACHINE)
-    return intake.toml(text.decode("utf-8-sig"))
 
 
 def load(name: str) -> Machine:

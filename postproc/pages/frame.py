@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from postproc import __version__, ports, style
+from postproc import __version__, style
 from postproc.errors import UsageError
 
 HERE = Path(__file__).resolve().parent / "templates"
@@ -58,10 +58,6 @@ class Page:
     def figures(self, *figures: dict[str, Any]) -> None:
         """Figures side by side, one below the other on a narrow screen."""
         self.blocks.append({"kind": "row", "figures": figures})
-
-    def write(self, path: str | Path) -> None:
-        """To a file, whole or not at all. Raises UsageError where a library is missing."""
-        ports.write_whole(path, self.html().encode("utf-8"))
 
     def html(self) -> str:
         """The file's text. Raises UsageError where a library is missing."""

@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from postproc import ports
 from postproc.commands import as_json
 from postproc.errors import UsageError
 
@@ -68,4 +69,6 @@ def write(
     if options.report and not plain:
         from postproc.pages import run
 
-        run.page(fields, history.samples, ended).write(options.report)
+        ports.write_whole(
+            options.report, run.page(fields, history.samples, ended).html().encode("utf-8")
+        )
