@@ -232,8 +232,13 @@ def write_new(path: str | Path, data: bytes, overwrite: bool) -> Path:
     target = Path(path)
     if target.exists() and not overwrite:
         raise UsageError(f"{target} exists", "overwrite=True replaces it")
-    replace_file(target, io.BytesIO(data), backup=False)
+    write_whole(target, data)
     return target
+
+
+def write_whole(path: str | Path, data: bytes) -> None:
+    """Put data in a file, whole or not at all, in place of what stood there."""
+    replace_file(Path(path), io.BytesIO(data), backup=False)
 
 
 def replace_file(path: Path, source: BinaryIO, backup: bool) -> Path | None:

@@ -113,7 +113,7 @@ def test_a_second_slide_is_told_in_mm_and_over_its_travel(tmp_path):
     flat = {x: f"{x}_mm,E{along}{x}_um\n-400,0\n500,0\n" for x, along in ("XX", "ZZ")}
     m = machine(tmp_path, text, **flat, W="W_mm,EZW_um\n-400,0\n0,0\n500,50\n")
     assert machine_facts.of(m)["axes"]["W"]["unit"] == "mm"
-    page = machine_page.html(m)
+    page = machine_page.page(m).html()
     assert "travel of W, mm" in page and "W, mm" in page and "degrees" not in page
     assert "deviations of up to 50.0 um" in page
     drawn = [b["figure"] for b in machine_page.page(m).blocks if b["kind"] == "figure"]

@@ -98,7 +98,7 @@ class Diagnosed:
         """Write the page with figures that `gcomp diagnose --report` writes."""
         from postproc.pages import diagnosis
 
-        return ports.write_new(path, diagnosis.html(self.details).encode("utf-8"), overwrite)
+        return ports.write_new(path, diagnosis.page(self.details).html().encode("utf-8"), overwrite)
 
 
 def diagnose(

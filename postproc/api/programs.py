@@ -112,13 +112,15 @@ def attempt(program: Any, machine: Machine, options: argparse.Namespace) -> atte
     attempt's spool."""
     if isinstance(program, Path):
         with ports.opened(str(program)) as (source, name, _):
-            return attempts.best(
+            return attempts.Tries(
                 options, machine, _kept(source), name, ports.head(source), lambda size: None
-            )
+            ).best()
     with _text(program) as source:
         head = source.read(ports.HEAD)
         source.seek(0)
-        return attempts.best(options, machine, _kept(source), "<program>", head, lambda size: None)
+        return attempts.Tries(
+            options, machine, _kept(source), "<program>", head, lambda size: None
+        ).best()
 
 
 def defaults() -> argparse.Namespace:

@@ -35,6 +35,11 @@ class Job:
     output: str
     number: int = 0
 
+    @property
+    def named(self) -> dict[str, str]:
+        """What a result says first."""
+        return {"program": self.program, "machine": self.machine, "output": self.output}
+
 
 def jobs(
     programs: Sequence[str], machines: Sequence[str], folder: Path, patterns: Sequence[str]

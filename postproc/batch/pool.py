@@ -102,10 +102,7 @@ def _given_up(job: Job, attempts: int) -> dict[str, Any]:
         f"{job.program}: the process that corrected it ended {attempts} times (out of memory, or"
         " killed)"
     )
-    return {
-        "program": job.program, "machine": job.machine, "output": job.output, "status": FAILED,
-        "message": message, "text": message, "seconds": 0.0,
-    }  # fmt: skip
+    return {**job.named, "status": FAILED, "message": message, "text": message, "seconds": 0.0}
 
 
 def _pool(workers: int) -> ProcessPoolExecutor:

@@ -23,12 +23,7 @@ def work(job: Job, options: argparse.Namespace) -> dict[str, Any]:
     """Correct a program and write it whole, or not at all. Never raises for what a program or a
     file is: that is told."""
     started = time.monotonic()
-    result: dict[str, Any] = {
-        "program": job.program,
-        "machine": job.machine,
-        "output": job.output,
-        "pid": os.getpid(),
-    }
+    result: dict[str, Any] = {**job.named, "pid": os.getpid()}
     try:
         result |= _corrected(job, options)
     except GcompError as error:
@@ -69,7 +64,9 @@ def _corrected(job: Job, options: argparse.Namespace) -> dict[str, Any]:
         target.parent.mkdir(parents=True, exist_ok=True)
         ports.replace_file(target, spool, backup=False)
     if options.report:
-        _page(done, target)
+        ports.write_whole(
+            target.with_name(target.name + ".html"), done.page().html().encode("utf-8")
+        )
     return {
         "status": DONE,
         "sha256": sha.hexdigest(),
@@ -83,12 +80,3 @@ def _machine(name: str, temperatures: tuple[tuple[str, float], ...], only: tuple
     from postproc.api.machines import load_machine
 
     return load_machine(name, dict(temperatures), only)
-
-
-def _page(done, target: Path) -> None:
-    import io
-
-    from postproc.pages import program
-
-    page = program.html(done.filter, done.verifier, done.why).encode("utf-8")
-    ports.replace_file(target.with_name(target.name + ".html"), io.BytesIO(page), backup=False)

@@ -12,19 +12,10 @@ import numpy as np
 from postproc.calibrate.assign import place_name, unit_of
 from postproc.calibrate.calibration import Calibration
 from postproc.calibrate.component import Component
-from postproc.machine.chain import Chain
-from postproc.machine.write import axis_table, machine_toml, runs_table
+from postproc.machine.write import KEPT, axis_table, machine_toml, runs_table
 from postproc.units import URAD
 
 FORMAT = "gcomp-machine/1"
-KEPT = (
-    "travel",
-    "least_increment",
-    "max_velocity",
-    "max_acceleration",
-    "max_jerk",
-    "centre",
-)  # of a model's axis
 
 
 def folder(
@@ -37,7 +28,7 @@ def folder(
     Everything measured comes from the calibration.
     """
     chain = calibration.options.chain
-    data: dict[str, Any] = {"format": FORMAT} | dict(head) | {"chain": chain_text(chain)}
+    data: dict[str, Any] = {"format": FORMAT} | dict(head) | {"chain": "-".join(chain.links)}
     comments = {"": _top(calibration)}
     data["source"] = head.get("source") or _source(calibration)
     data["signs"] = calibration.machine.signs
@@ -106,13 +97,6 @@ def _squareness(calibration: Calibration) -> tuple[dict[str, Any], dict[str, str
         comments[one.name] = f"urad, {u}; {one.source}"
         comments[f"u.{one.name}"] = "urad, U = 2 u, 95 %"
     return data, comments
-
-
-def chain_text(chain: Chain) -> str:
-    """w-b-Z-X-t of a chain."""
-    return "-".join(
-        ["w", *chain.axes[: chain.workpiece_side], "b", *chain.axes[chain.workpiece_side :], "t"]
-    )
 
 
 def files(calibration: Calibration) -> list[str]:

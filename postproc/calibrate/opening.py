@@ -36,11 +36,7 @@ def of_line(
     """rad: slope that the tables give a straightness (EXZ: X read while Z moves over nodes (N,) mm)
     with the other axes at `at`, mm (0 where none is named)."""
     machine, kind = calibration.machine, calibration.options.line
-    position = np.zeros((len(machine.letters), len(nodes)))
-    for x, place in at.items():
-        if x in machine.letters:
-            position[machine.letters.index(x)] = place
-    position[machine.letters.index(component[2])] = nodes
+    position = machine.at({**at, component[2]: nodes}, len(nodes))
     off = machine.deviation(position, np.zeros_like(position))
     return slope(nodes, off[machine.letters.index(component[1])], kind)
 

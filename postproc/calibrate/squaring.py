@@ -327,16 +327,12 @@ def _circles(
 def _round(calibration: Calibration, recording: Recording, plane: str) -> np.ndarray:
     """(N,) mm: the radial deviation along a circle that the components make."""
     machine = calibration.machine
-    position = np.zeros((len(machine.letters), len(recording)))
-    approach = np.zeros_like(position)
-    for x in recording.axes:
-        if x in machine.letters:
-            position[machine.letters.index(x)] = recording.position(x)
+    position = machine.at({x: recording.position(x) for x in recording.axes}, len(recording))
     arm = np.stack([recording.position(x) - recording.head["centre"][x] for x in plane])
     unit = arm / np.hypot(*arm)
     sense = recording.columns["sense"]
-    for x, way in zip(plane, (-sense * np.sign(unit[1]), sense * np.sign(unit[0])), strict=True):
-        approach[machine.letters.index(x)] = way
+    ways = zip(plane, (-sense * np.sign(unit[1]), sense * np.sign(unit[0])), strict=True)
+    approach = machine.at(dict(ways), len(recording))
     off = machine.deviation(position, approach)
     return np.asarray(
         sum(u * off[machine.letters.index(x)] for x, u in zip(plane, unit, strict=True))
@@ -347,15 +343,10 @@ def _leftover(calibration: Calibration, diagonal: Diagonal) -> tuple[float, floa
     """rad: slope over its length of what a diagonal's reading has beyond the components, and its
     u."""
     machine = calibration.machine
-    position = np.zeros((len(machine.letters), len(diagonal.reading)))
-    approach = np.zeros_like(position)
-    for x, at in diagonal.rest.items():
-        if x in machine.letters:
-            position[machine.letters.index(x)] = at
-    for x, path in diagonal.path.items():
-        row = machine.letters.index(x)
-        position[row] = path
-        approach[row] = diagonal.approach * np.sign(diagonal.direction[x])
+    count = len(diagonal.reading)
+    position = machine.at({**diagonal.rest, **diagonal.path}, count)
+    ways = {x: diagonal.approach * np.sign(diagonal.direction[x]) for x in diagonal.path}
+    approach = machine.at(ways, count)
     expected = machine.deviation(position, approach)
     along = sum(c * expected[machine.letters.index(x)] for x, c in diagonal.direction.items())
     left = diagonal.reading - along

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from postproc.iso.positioning import targets_of
+from postproc.iso.sampling import bartlett
 
 LEVEL = 0.95  # of the tests
 
@@ -123,13 +124,8 @@ def _scatter(s: np.ndarray, n: np.ndarray) -> Scatter:
     pooled = True
     has = ~few
     if common > 0 and has.sum() > 1:
-        # A resolution step makes s = 0 now and then; a floor keeps its logarithm from deciding the
-        # test.
-        logs = np.log(np.maximum(variance[has], common * 1e-2))
-        cells = int(has.sum())
-        spread = 1 + (np.sum(1 / dof[has]) - 1 / total) / (3 * (cells - 1))
-        statistic = (total * np.log(common) - np.sum(dof[has] * logs)) / spread
-        pooled = bool(statistic < chi_squared(cells - 1))
+        statistic = bartlett(variance[has], dof[has], common)
+        pooled = bool(statistic < chi_squared(int(has.sum()) - 1))
     if pooled:
         return Scatter(np.full(s.shape, np.sqrt(common)), np.full(s.shape, total), True)
     return Scatter(np.sqrt(variance), np.where(few, total, dof), False)

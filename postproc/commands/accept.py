@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import io
-from pathlib import Path
 
 from postproc import ports
 from postproc.accept import judge, pairing, report
@@ -62,8 +60,6 @@ def run(options: argparse.Namespace) -> int:
     if options.page:
         from postproc.pages import accepted
 
-        ports.replace_file(
-            Path(options.page), io.BytesIO(accepted.html(found, name).encode()), backup=False
-        )
+        ports.write_whole(options.page, accepted.page(found, name).html().encode("utf-8"))
     as_json.put(options.json, report.as_json(found, name))
     return 0

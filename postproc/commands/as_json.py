@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import io
 import sys
 from pathlib import Path
 from typing import Any, TextIO
@@ -33,4 +32,4 @@ def put(path: str | None, data: dict[str, Any]) -> None:
     if path == "-":
         ports.write_standard(written)
     else:
-        ports.replace_file(Path(path), io.BytesIO(written), backup=False)
+        ports.write_whole(path, written)

@@ -25,6 +25,7 @@ from postproc.machine.model import Machine
 from postproc.records import mutable
 
 if TYPE_CHECKING:
+    from postproc.pages.frame import Page
     from postproc.verify import Verifier
 
 # A block that the operator's switch takes out, and that decides which text runs: a call, a jump, a
@@ -63,6 +64,13 @@ class Attempt:
             f" {filter_.compensator.tolerance * 1000:g} um"
         )
 
+    def page(self) -> Page:
+        """Of an attempt that was verified, with a trace."""
+        from postproc.pages import program
+
+        assert self.verifier is not None
+        return program.page(self.filter, self.verifier, self.why)
+
     @classmethod
     def fresh(
         cls, options: argparse.Namespace, machine: Machine, name: str, head: bytes = b""
@@ -81,20 +89,10 @@ class Attempt:
         return cls(filter_, verifier)
 
 
-def best(
-    options: argparse.Namespace,
-    machine: Machine,
-    source: ports.Kept,
-    name: str,
-    head: bytes,
-    step: Callable[[int], None],
-) -> Attempt:
-    """The whole program, accepted. Raises GcompError with what a person must do, else."""
-    return _Tries(options, machine, source, name, head, step).best()
-
-
 @mutable
-class _Tries:
+class Tries:
+    """Of one whole program."""
+
     options: argparse.Namespace
     machine: Machine
     source: ports.Kept
@@ -104,6 +102,7 @@ class _Tries:
     left: bool = False  # a file stands beside the program that would have to be read
 
     def best(self) -> Attempt:
+        """Accepted. Raises GcompError with what a person must do, else."""
         try:
             return self._one_run(self.options)
         except ProgramError as error:

@@ -98,16 +98,7 @@ def _results(todo: list, options: argparse.Namespace, ledger) -> Iterator[dict[s
                 continue
             known = None if repeat else ledger.done(job.output, key)
             if known:
-                standing.append(
-                    {
-                        **known,
-                        "program": job.program,
-                        "machine": job.machine,
-                        "output": job.output,
-                        "before": True,
-                        "number": job.number,
-                    }
-                )
+                standing.append({**known, **job.named, "before": True, "number": job.number})
             elif not options.force and Path(job.output).exists() and not ledger.wrote(job.output):
                 standing.append(
                     _refused(
@@ -121,12 +112,7 @@ def _results(todo: list, options: argparse.Namespace, ledger) -> Iterator[dict[s
     for job, outcome in _pool(pool, open_jobs(), options):
         yield from _drained(standing)
         own = todo[job.number]  # as it was named here
-        outcome |= {
-            "program": own.program,
-            "machine": own.machine,
-            "output": own.output,
-            "number": job.number,
-        }
+        outcome |= {**own.named, "number": job.number}
         ledger.write(keys[job.number], {k: v for k, v in outcome.items() if k != "number"})
         yield outcome
     yield from _drained(standing)
@@ -164,8 +150,8 @@ def _absolute(job):
 
 def _refused(job, text: str) -> dict[str, Any]:
     return {
-        "program": job.program, "machine": job.machine, "output": job.output, "status": "refused",
-        "message": text, "text": text, "seconds": 0.0, "number": job.number,
+        **job.named, "status": "refused", "message": text, "text": text, "seconds": 0.0,
+        "number": job.number,
     }  # fmt: skip
 
 
@@ -205,7 +191,7 @@ def _table(path: Path, results: list[dict[str, Any]]) -> None:
 
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([COLUMNS, *map(row, results)])
-    ports.replace_file(path, io.BytesIO(text.getvalue().encode("utf-8")), backup=False)
+    ports.write_whole(path, text.getvalue().encode("utf-8"))
 
 
 def _report(results: list[dict[str, Any]], folder: Path, options: argparse.Namespace) -> int:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import hashlib
-import io
 import os
 import shutil
 import tempfile
@@ -16,7 +15,7 @@ from postproc import intake, ports, standing
 from postproc.calibrate import CalibrationError, Options, figure, folder, report
 from postproc.calibrate.calibration import Calibration
 from postproc.calibrate.run import calibrate
-from postproc.commands import as_json, session
+from postproc.commands import as_json, reading, session
 from postproc.commands.calibrate_options import arguments, datum_of
 from postproc.commands.recording_files import files_of, read_files, reading_options
 from postproc.errors import MachineError, UsageError
@@ -93,12 +92,7 @@ def like_of(name: str | None) -> dict[str, Any]:
     if not name:
         return {}
     places.load(name)  # refuses with file and line what is no machine
-    path = Path(name)
-    if not (path / "machine.toml").is_file() or (
-        len(path.parts) == 1 and not path.is_absolute() and name in places.every()
-    ):
-        path = places.every().get(name, path)
-    return intake.toml(ports.read_whole(path / "machine.toml", intake.MACHINE).decode("utf-8-sig"))
+    return reading.stated(name)
 
 
 def of_single_slides(chain: chains.Chain, command: str) -> None:
@@ -298,12 +292,12 @@ def _page(name: str, calibration: Calibration, texts: dict[str, str], machine: s
             found = read_machine(folder_)
         except MachineError:  # said where the folder is written
             found = calibration.machine
-    html = pages.calibrated_html(found, machine, calibration.findings)
-    ports.replace_file(Path(name), io.BytesIO(html.encode("utf-8")), backup=False)
+    page = pages.calibrated(found, machine, calibration.findings)
+    ports.write_whole(name, page.html().encode("utf-8"))
 
 
 def _figure(name: str, calibration: Calibration) -> None:
     kind = Path(name).suffix.lower().lstrip(".")
     if kind not in figure.FORMATS:
         raise UsageError(f"--figure {name}: a picture ends in one of {', '.join(figure.FORMATS)}")
-    ports.replace_file(Path(name), io.BytesIO(figure.draw(calibration, kind)), backup=False)
+    ports.write_whole(name, figure.draw(calibration, kind))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import io
 import sys
 import time
 from pathlib import Path
@@ -60,10 +59,10 @@ def run(options: argparse.Namespace) -> int:
         else:
             kept = ports.Kept(source, intake.PROGRAM)
             with progress(size, options) as step:
-                done = attempts.best(options, machine, kept, name, ports.head(source), step)
+                done = attempts.Tries(options, machine, kept, name, ports.head(source), step).best()
             _put(done, options)
     if options.report:
-        _put_page(done, options.report)
+        ports.write_whole(options.report, done.page().html().encode("utf-8"))
     if asked:
         _say_verified(done, options, machine)
     if left := reading.left_by_only(options):
@@ -165,14 +164,6 @@ def _put(done: attempts.Attempt, options: argparse.Namespace) -> None:
             ports.replace_file(Path(options.output), spool, backup=False)
         else:
             ports.copy_out(spool, ports.write_standard)
-
-
-def _put_page(done: attempts.Attempt, name: str) -> None:
-    from postproc.pages import program
-
-    assert done.verifier is not None
-    data = program.html(done.filter, done.verifier, done.why).encode("utf-8")
-    ports.replace_file(Path(name), io.BytesIO(data), backup=False)
 
 
 def _put_json(done: attempts.Attempt, name: str) -> None:

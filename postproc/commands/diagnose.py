@@ -4,7 +4,6 @@ and how the fit improves."""
 from __future__ import annotations
 
 import argparse
-import io
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -108,10 +107,8 @@ def _write_files(options: argparse.Namespace, found: Diagnosis, progress: _Progr
         from postproc.pages import diagnosis
 
         progress("drawing")
-        _write(
-            options.report,
-            diagnosis.html(found, options.write_machine or "", tuple(options.accept)),
-        )
+        page = diagnosis.page(found, options.write_machine or "", tuple(options.accept))
+        ports.write_whole(options.report, page.html().encode("utf-8"))
         progress("")
 
 
@@ -153,7 +150,7 @@ def corrected(read: list[Recording], said: bool) -> bool:
 
 def _write(path: str, text: str) -> None:
     """A whole file or none."""
-    ports.replace_file(Path(path), io.BytesIO(text.encode()), False)
+    ports.write_whole(path, text.encode())
 
 
 class _Progress:

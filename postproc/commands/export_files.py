@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -88,7 +87,7 @@ def write_files(files: dict[Path, bytes]) -> None:
     """Each whole, in a folder that is made if need be."""
     for path, data in files.items():
         path.parent.mkdir(parents=True, exist_ok=True)
-        ports.replace_file(path, io.BytesIO(data), backup=False)
+        ports.write_whole(path, data)
 
 
 def components(

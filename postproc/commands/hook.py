@@ -4,7 +4,6 @@ it writes."""
 from __future__ import annotations
 
 import argparse
-import io
 import os
 import sys
 from pathlib import Path
@@ -58,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
         standing.kept(path, options.force, "--force writes over it, -o names another folder")
     for path, (text, runs) in installed.files.items():
         path.parent.mkdir(parents=True, exist_ok=True)
-        ports.replace_file(path, io.BytesIO(text.encode("utf-8")), backup=False)
+        ports.write_whole(path, text.encode("utf-8"))
         if runs:
             path.chmod(path.stat().st_mode | 0o111)
         print(f"gcomp: written: {path}", file=sys.stderr)

@@ -4,7 +4,6 @@ for."""
 from __future__ import annotations
 
 import argparse
-import io
 import math
 import re
 from pathlib import Path
@@ -76,13 +75,9 @@ def run(options: argparse.Namespace) -> int:
     if options.report:
         from postproc.pages import measured
 
-        ports.replace_file(
-            Path(options.report),
-            io.BytesIO(measured.html(results, left).encode("utf-8")),
-            backup=False,
-        )
+        ports.write_whole(options.report, measured.page(results, left).html().encode("utf-8"))
     if options.figure:
-        ports.replace_file(Path(options.figure), io.BytesIO(picture), backup=False)
+        ports.write_whole(options.figure, picture)
     as_json.put(options.json, report.as_json(results, left))
     return 0
 

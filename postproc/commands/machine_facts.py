@@ -33,10 +33,10 @@ def of(machine: Machine) -> dict[str, Any]:
         "control": machine.control,
         "map": machine.digest,
         "source": machine.source or None,
-        "chain": chain(machine),
+        "chain": machine.chain.links,
         "diameter": list(machine.diameter),
         "axes": {x: _axis(axis) for x, axis in machine.axes.items()},
-        "squareness_urad": _squareness(machine),
+        "squareness_urad": {name: value / URAD for name, value in machine.angles.items()},
         "squareness_U_urad": {name: float(u / URAD) for name, u in machine.square_u.items()},
         "effects": [
             {"effect": t.name, "axis": t.axis or None, "parameters": dict(t.parameters)}
@@ -47,15 +47,6 @@ def of(machine: Machine) -> dict[str, Any]:
         "U_um": largest_u(machine) / UM if found.parts else None,
         "in_doubt": list(implausible(machine)),
         "not_in_map": list(lacks(machine)),
-    }
-
-
-def _squareness(machine: Machine) -> dict[str, float]:
-    """urad, by name."""
-    return {
-        f"{ROTARY[i]}0{x}": float(lean[i] / URAD)
-        for x, lean in machine.square.items()
-        for i in lean.nonzero()[0]
     }
 
 
@@ -97,13 +88,6 @@ def known(machine: Machine) -> str:
         f"the map itself is known to +- {micrometres(worst)} um (95 %) on its"
         f" nodes{unstated(found.missing)}"
     )
-
-
-def chain(machine: Machine) -> list[str]:
-    axes = list(machine.chain.axes)
-    return [
-        "w", *axes[: machine.chain.workpiece_side], "b", *axes[machine.chain.workpiece_side :], "t",
-    ]  # fmt: skip
 
 
 def largest(machine: Machine) -> float:

@@ -33,10 +33,7 @@ def show(machine: Machine) -> str:
 def _head(machine: Machine) -> list[str]:
     lines = [
         f"{machine.name}: {machine.title}",
-        (
-            f"control {machine.control}, chain {'-'.join(machine_facts.chain(machine))}, map"
-            f" {machine.digest}"
-        ),
+        (f"control {machine.control}, chain {'-'.join(machine.chain.links)}, map {machine.digest}"),
     ]
     if machine.diameter:
         lines.append(
@@ -101,10 +98,7 @@ def _component(table: AxisTable, row: int, letter: str, unit: str) -> str:
 
 def _squareness(machine: Machine) -> list[str]:
     return [
-        f"\nsquareness {'ABC'[i]}0{letter}  {value / URAD:+.1f} urad"
-        for letter, lean in machine.square.items()
-        for i, value in enumerate(lean)
-        if value
+        f"\nsquareness {name}  {value / URAD:+.1f} urad" for name, value in machine.angles.items()
     ] + [
         f"squareness {name} is known to +- {u / URAD:.1f} urad (95 %)"
         for name, u in machine.square_u.items()

@@ -4,8 +4,6 @@ NAME` doubts it."""
 from __future__ import annotations
 
 import argparse
-import io
-from pathlib import Path
 
 from postproc import ports
 from postproc.commands import as_json, machine_facts, machine_new, option_text
@@ -73,11 +71,9 @@ def _list(options: argparse.Namespace) -> int:
 
 def _show(machine: Machine, options: argparse.Namespace) -> int:
     if options.report:
-        from postproc.pages import machine as page
+        from postproc.pages import machine as pages
 
-        ports.replace_file(
-            Path(options.report), io.BytesIO(page.html(machine).encode("utf-8")), backup=False
-        )
+        ports.write_whole(options.report, pages.page(machine).html().encode("utf-8"))
     print(show(machine), file=as_json.beside(options.json))
     as_json.put(options.json, machine_facts.document([machine_facts.of(machine)]))
     return 0

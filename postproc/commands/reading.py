@@ -7,7 +7,7 @@ import argparse
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -299,3 +299,12 @@ def with_hint(
     elif (there := other.place) and there.file == here.file and there.line > here.line:
         error.advice = f"--dialect {name} follows it to line {there.line} ({reason})"
     return error
+
+
+def stated(name: str) -> dict[str, Any]:
+    """What machine.toml says of the machine called `name`, or of that path, as it is written; it
+    has been read and found good."""
+    from postproc.machine import places
+
+    text = ports.read_whole(places.folder_of(name) / "machine.toml", intake.MACHINE)
+    return intake.toml(text.decode("utf-8-sig"))

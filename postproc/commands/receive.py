@@ -4,7 +4,6 @@ at all."""
 from __future__ import annotations
 
 import argparse
-import io
 import json
 import sys
 import time
@@ -81,7 +80,7 @@ def run(options: argparse.Namespace) -> int:
     if status:
         _ended(reception, why, status)
     else:
-        ports.replace_file(Path(options.output), io.BytesIO(reception.text), backup=False)
+        ports.write_whole(options.output, reception.text)
         print(
             f"gcomp: {options.output}: {reception.lines} lines, {reception.size} bytes received",
             file=sys.stderr,

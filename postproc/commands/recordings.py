@@ -4,7 +4,6 @@ recordings."""
 from __future__ import annotations
 
 import argparse
-import io
 from pathlib import Path
 from typing import Any
 
@@ -138,7 +137,7 @@ def _session(options: argparse.Namespace, how: ReadingOptions) -> int:
         except GcompError as error:
             found.append((name, [], f"{error.message}; {error.advice}"))
     text = session.first_one(found, path.parent)
-    ports.replace_file(path, io.BytesIO(text.encode()), backup=False)
+    ports.write_whole(path, text.encode())
     open_ = sum(bool(fault) for *_, fault in found)
     print(
         f"written: {path}, {len(found)}"
@@ -309,7 +308,5 @@ def _write(found: list[Recording], path: str, files: list[str], force: bool) -> 
         raise UsageError(f"--as {path} is the file that is read", "another name")
     if not force:
         standing.result(path, marks.SIMULATED, "another name, or --force to write over it")
-    with ports.spool() as spool:
-        spool.write(contract.write(found[0]).encode("utf-8"))
-        ports.replace_file(Path(path), spool, backup=False)
+    ports.write_whole(path, contract.write(found[0]).encode("utf-8"))
     return f"written: {path}, {len(found[0])} rows"

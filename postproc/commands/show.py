@@ -4,7 +4,6 @@ browser."""
 from __future__ import annotations
 
 import argparse
-import io
 import sys
 import tempfile
 import webbrowser
@@ -30,8 +29,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from postproc.pages import program
-
     options.verify, options.in_place, options.unbuffered, options.filter_progress = (
         True, False, False, False,
     )  # fmt: skip
@@ -43,15 +40,14 @@ def run(options: argparse.Namespace) -> int:
         ports.opened(options.file) as (source, name, size),
         compensate.progress(size, options) as step,
     ):
-        done = attempts.best(
+        done = attempts.Tries(
             options, machine, ports.Kept(source, intake.PROGRAM), name, ports.head(source), step
-        )
+        ).best()
     done.spool.close()
-    assert done.verifier is not None
     compensate.warn_of_nothing(done.filter, name)
-    data = program.html(done.filter, done.verifier, done.why).encode("utf-8")
+    page = done.page()
     path = Path(options.output) if options.output else _place(name)
-    ports.replace_file(path, io.BytesIO(data), backup=False)
+    ports.write_whole(path, page.html().encode("utf-8"))
     opened = not options.output and webbrowser.open(path.resolve().as_uri())
     if not options.quiet:
         print(f"gcomp: {'opened' if opened else 'written'}: {path}", file=sys.stderr)

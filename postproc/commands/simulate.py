@@ -288,20 +288,7 @@ def _read(options: argparse.Namespace, machine: Machine, text: bytes, name: str)
 
 def _stated(name: str) -> dict[str, Any]:
     """The [axes.X] sections of a machine's file, which has been read and found good."""
-    from postproc.machine import places
-
-    path = Path(name)
-    known = places.every()
-    folder = (
-        path
-        if len(path.parts) > 1 or path.is_absolute() or (path / "machine.toml").is_file()
-        else known[name]
-    )
-    return dict(
-        intake.toml(ports.read_whole(folder / "machine.toml", intake.MACHINE).decode("utf-8-sig"))[
-            "axes"
-        ]
-    )
+    return dict(reading.stated(name)["axes"])
 
 
 def _held(machine: Machine, position: dict) -> Iterator[Notice]:
@@ -339,4 +326,4 @@ def _write(name: str, data: bytes) -> None:
     if name == "-":
         ports.write_standard(data)
         return
-    ports.replace_file(Path(name), io.BytesIO(data), backup=False)
+    ports.write_whole(name, data)

@@ -17,13 +17,14 @@ from postproc.iso.circles import Trace
 from postproc.iso.drift import HOUR, Drift
 from postproc.iso.positioning import Positioning
 from postproc.iso.report import decimals, number, scale
-from postproc.iso.straightness import NAMES, Straightness
+from postproc.iso.straightness import Straightness
 from postproc.style import LIGHT, PAPER, made_by
 
 FORMATS = ("svg", "png", "pdf")
 UP, DOWN, GREY, INK, GROUND = (LIGHT[role] for role in ("plus", "minus", "muted", "mean", "ground"))
 WIDTH, HEIGHT, SIDE = 10.0, 4.6, 6.4  # inches of a panel
 MOST = 12  # panels
+FILL = 0.5  # of the radius, which the largest deviation of a circle is drawn to fill
 
 
 def check(name: str) -> None:
@@ -104,9 +105,7 @@ def _position(result: Result) -> str:
 def _along(axes: Any, result: Result) -> None:
     """Deviation over position: runs, means, means +- 2s, and the widths that the parameters stand
     for."""
-    test: Positioning = (
-        result.detail.test if isinstance(result.detail, Straightness) else result.detail
-    )
+    test = readings_of(result)
     unit, digits = scale(result), decimals(result)
     x = test.target
     for way, colour in ((1, UP), (-1, DOWN)):
@@ -147,11 +146,16 @@ def _along(axes: Any, result: Result) -> None:
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncol=5, fontsize=8, frameon=False)
 
 
-def _ends(result: Result, test: Positioning) -> dict[str, tuple[float, float]]:
+def readings_of(result: Result) -> Positioning:
+    """The readings along an axis, also of a straightness."""
+    return result.detail.test if isinstance(result.detail, Straightness) else result.detail
+
+
+def ends(result: Result, test: Positioning) -> dict[str, tuple[float, float]]:
     """Bottom and top, mm, of the widths that have a value, in the order in which they are
     drawn."""
     unknown = (np.nan, np.nan)
-    ends = {
+    widths = {
         "M": (np.nanmin(test.middle), np.nanmax(test.middle)) if test.both.any() else unknown,
         "E": (np.nanmin(test.mean), np.nanmax(test.mean)),
         "A": (
@@ -160,18 +164,18 @@ def _ends(result: Result, test: Positioning) -> dict[str, tuple[float, float]]:
             else unknown
         ),
     }
-    if not any(result[n].value is not None for n in ends):  # one direction only: its own letters
+    if not any(result[n].value is not None for n in widths):  # one direction only: its own letters
         sign = "+" if result["E+"].value is not None else "-"
-        ends = {f"{n}{sign}": ends[n] for n in "EA"}
-    return {name: width for name, width in ends.items() if result[name].value is not None}
+        widths = {f"{n}{sign}": widths[n] for n in "EA"}
+    return {name: width for name, width in widths.items() if result[name].value is not None}
 
 
 def _widths(axes: Any, result: Result, test: Positioning, unit: float, digits: int) -> None:
     """E, M and A as arrows beside the curves."""
-    ends = _ends(result, test)
+    widths = ends(result, test)
     length = max(test.length, 1e-9)
     start = float(test.target[-1])
-    for i, (name, (bottom, top)) in enumerate(ends.items()):
+    for i, (name, (bottom, top)) in enumerate(widths.items()):
         at = start + length * (0.045 + 0.075 * i)
         low, high = float(bottom) / unit, float(top) / unit
         for level in (low, high):
@@ -186,25 +190,23 @@ def _widths(axes: Any, result: Result, test: Positioning, unit: float, digits: i
         shown = number(None if value is None else value / unit, digits)
         said = f" {name}\n {shown}\n {_micro(result)}"
         axes.text(at, (low + high) / 2, said, va="center", fontsize=8)
-    axes.set_xlim(float(test.target[0]) - 0.03 * length, start + length * (0.08 + 0.08 * len(ends)))
+    axes.set_xlim(
+        float(test.target[0]) - 0.03 * length, start + length * (0.08 + 0.08 * len(widths))
+    )
     # The axis ends where the travel ends: beyond it only the widths stand.
     axes.set_xticks([t for t in axes.get_xticks() if test.target[0] <= t <= start])
 
 
 def _lines(axes: Any, result: Result, lines: Straightness, unit: float, digits: int) -> None:
     """The reference line and the zone of the straightness error about it."""
-    line, name = lines.lines[lines.best], lines.best
-    if line is None:
+    if lines.off is None:
         return
-    test = lines.test
-    x = test.target
-    y = test.middle if name == NAMES[0] else test.mean[NAMES.index(name) - 1]
-    level = line.value(x)
-    left = (y - level)[np.isfinite(y)]
+    x, name = lines.test.target, lines.best
+    level, left = lines.off
     axes.plot(x, level / unit, color=INK, lw=1, label=f"{lines.kind} line")
     size = lines.errors[name]
     error = number(None if size is None else size / unit, digits)
-    for i, edge in enumerate((left.max(), left.min())):
+    for i, edge in enumerate((np.nanmax(left), np.nanmin(left))):
         axes.plot(
             x, (level + edge) / unit, color=INK, lw=0.7, ls="-.",
             label=None if i else f"zone: {name} {error} {_micro(result)}",
@@ -247,9 +249,7 @@ def _circle(axes: Any, result: Result) -> None:
     half the radius."""
     traces: list[Trace] = result.detail
     nominal = traces[0].nominal
-    about = [about_centre(t) for t in traces]
-    largest = max(float(np.abs(radial).max()) for _, radial in about)
-    magnification = round_down(0.5 * nominal / max(largest, 1e-6))
+    about, magnification, division, rings = magnified(traces)
     plane = result.subject.split(",")[0]
     seen: set[int] = set()
     for t, (angle, radial) in zip(traces, about, strict=True):
@@ -262,13 +262,11 @@ def _circle(axes: Any, result: Result) -> None:
         seen.add(t.way)
     turn = np.linspace(0, 2 * np.pi, 361)
     axes.plot(turn, np.full(361, nominal), color=INK, lw=0.8, label=f"nominal, {nominal:g} mm")
-    division = round_down(max(largest, 1e-4))
-    edge = math.ceil(largest / division)
-    rings = division * np.arange(-edge, edge + 1)
+    outermost = rings[-1]
     # The first and the last, between which all curves lie: a name of one between would lie on them.
-    names = [f"{v * 1000:+g} µm" if abs(v) > (edge - 0.5) * division else "" for v in rings]
+    names = [f"{v * 1000:+g} µm" if abs(v) > outermost - 0.5 * division else "" for v in rings]
     axes.set_rgrids(nominal + magnification * rings, names, angle=22.5, fontsize=7, color=GREY)
-    axes.set_ylim(0, nominal + magnification * division * edge * 1.02)
+    axes.set_ylim(0, nominal + magnification * outermost * 1.02)
     axes.set_xticks(
         np.radians([0, 90, 180, 270]),
         [f"+{plane[0]}", f"+{plane[1]}", f"-{plane[0]}", f"-{plane[1]}"],
@@ -280,6 +278,19 @@ def _circle(axes: Any, result: Result) -> None:
     )
     axes.legend(loc="lower left", bbox_to_anchor=(1.02, 0.0), fontsize=8, frameon=False)
     axes.grid(True)
+
+
+def magnified(
+    traces: Sequence[Trace],
+) -> tuple[list[tuple[np.ndarray, np.ndarray]], float, float, np.ndarray]:
+    """Each circle about its centre; how many times its deviations are drawn larger, so that the
+    largest fills half the radius; mm from ring to ring, and the rings, mm from the nominal one."""
+    about = [about_centre(t) for t in traces]
+    largest = max(float(np.abs(radial).max()) for _, radial in about)
+    magnification = round_down(FILL * traces[0].nominal / max(largest, 1e-6))
+    division = round_down(max(largest, 1e-4))
+    edge = math.ceil(largest / division)
+    return about, magnification, division, division * np.arange(-edge, edge + 1)
 
 
 def about_centre(trace: Trace) -> tuple[np.ndarray, np.ndarray]:

@@ -44,6 +44,16 @@ class Noise:
     s: float
     pooled: bool
 
+    def part(self, rows: slice, used: np.ndarray | slice = slice(None)) -> Noise:
+        """Of some rows, and of some of their means."""
+        return Noise(self.u[rows, used], self.dof[rows, used], self.s, self.pooled)
+
+    def of_two(self, factor: float) -> Noise:
+        """Of the difference (factor 1) or the mean (0.5) of both directions."""
+        dof = self.dof[:1] if self.pooled else self.dof.min(axis=0, keepdims=True)
+        u = factor * np.sqrt((self.u**2).sum(axis=0, keepdims=True))
+        return Noise(u, dof, self.s, self.pooled)
+
 
 def noise_of(s: np.ndarray, n: np.ndarray) -> Noise | None:
     """The scatter of means of n runs with standard deviations s, (2, m). One s for all where their
@@ -59,18 +69,24 @@ def noise_of(s: np.ndarray, n: np.ndarray) -> Noise | None:
     has = dof > 0
     pooled = True
     if common > 0 and has.sum() > 1:
-        # A floor keeps the logarithm of an s that the resolution made 0 from deciding the test.
-        logs = np.log(np.maximum(variance[has], 1e-2 * common))
-        cells = int(has.sum())
-        weight = 1 + (np.sum(1 / dof[has]) - 1 / total) / (3 * (cells - 1))
-        statistic = (total * np.log(common) - float(np.sum(dof[has] * logs))) / weight
-        pooled = chi_squared_tail(max(statistic, 0.0), cells - 1) > DOUBT
+        statistic = bartlett(variance[has], dof[has], common)
+        pooled = chi_squared_tail(max(statistic, 0.0), int(has.sum()) - 1) > DOUBT
     own = np.full(s.shape, common) if pooled else (dof * variance + PRIOR * common) / (dof + PRIOR)
     with np.errstate(divide="ignore"):
         u = np.where(n > 0, np.sqrt(own / np.maximum(n, 1)), np.nan)
     return Noise(
         u, np.full(s.shape, total) if pooled else dof + PRIOR, float(np.sqrt(common)), pooled
     )
+
+
+def bartlett(variance: np.ndarray, dof: np.ndarray, common: float) -> float:
+    """Bartlett's statistic of some cells with a common variance: chi-squared with one degree of
+    freedom less than there are cells, where their differences are what chance makes."""
+    # A floor keeps the logarithm of an s that the resolution made 0 from deciding the test.
+    logs = np.log(np.maximum(variance, 1e-2 * common))
+    total = dof.sum()
+    weight = 1 + (np.sum(1 / dof) - 1 / total) / (3 * (len(dof) - 1))
+    return float((total * np.log(common) - np.sum(dof * logs)) / weight)
 
 
 def range_uncertainty(mean: np.ndarray, noise: Noise) -> float:

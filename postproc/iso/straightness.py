@@ -13,7 +13,7 @@ import numpy as np
 
 from postproc.iso.lines import Line, reference, straightness_error
 from postproc.iso.positioning import Positioning
-from postproc.iso.sampling import LEVEL, Noise, draws, noise_of, shared_ends
+from postproc.iso.sampling import LEVEL, draws, noise_of, shared_ends
 
 CELLS = 4_000_000  # numbers held at once
 NAMES = ("straightness", "straightness +", "straightness -")
@@ -34,6 +34,16 @@ class Straightness:
         """The name of what stands for the motion: two-way, or the one direction there is."""
         return next(n for n in NAMES if self.errors[n] is not None)
 
+    @property
+    def off(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Height (m,) of the best line at each target, and how far the means (m,) are from it, mm;
+        None where there is no line."""
+        line = self.lines[self.best]
+        if line is None:
+            return None
+        height = line.value(self.test.target)
+        return height, means(self.test, self.best) - height
+
 
 def evaluate(kind: str, test: Positioning) -> Straightness:
     """The straightness errors, mm, of two-way means and of each direction."""
@@ -48,9 +58,14 @@ def evaluate(kind: str, test: Positioning) -> Straightness:
 
 def points(test: Positioning, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Targets and means (k,) that a line is laid through, and which (m,) they are."""
-    y = test.middle if name == NAMES[0] else test.mean[NAMES.index(name) - 1]
+    y = means(test, name)
     used = np.isfinite(y)
     return test.target[used], y[used], used
+
+
+def means(test: Positioning, name: str) -> np.ndarray:
+    """(m,) mm by target, NaN where there is none: of both directions or of one, by NAMES."""
+    return test.middle if name == NAMES[0] else test.mean[NAMES.index(name) - 1]
 
 
 def from_runs(kind: str, test: Positioning, name: str) -> tuple[float, float] | None:
@@ -62,16 +77,9 @@ def from_runs(kind: str, test: Positioning, name: str) -> tuple[float, float] | 
     if noise is None or len(x) < 2:
         return None
     if name == NAMES[0]:
-        dof = noise.dof[:1] if noise.pooled else noise.dof.min(axis=0, keepdims=True)
-        row = Noise(
-            0.5 * np.sqrt((noise.u**2).sum(axis=0, keepdims=True))[:, used],
-            dof[:, used],
-            noise.s,
-            noise.pooled,
-        )
+        row = noise.of_two(0.5).part(slice(1), used)
     else:
-        i = NAMES.index(name) - 1
-        row = Noise(noise.u[i : i + 1, used], noise.dof[i : i + 1, used], noise.s, noise.pooled)
+        row = noise.part(slice(NAMES.index(name) - 1, NAMES.index(name)), used)
     if noise.s == 0:
         return 0.0, 0.0
     line = reference(kind, x, y).value(x)

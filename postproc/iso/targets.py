@@ -203,11 +203,8 @@ def _columns(test: Positioning, angle: bool, detail: Any) -> dict[str, list[Any]
         out[f"s {sign} {name}"] = cells(test.s[row])
     out[f"B {name}"] = cells(test.reversal)
     out[f"R {name}"] = cells(test.repeatability[2])
-    if isinstance(detail, Straightness):
-        line = detail.lines[detail.best]
-        y = test.middle if detail.best == NAMES[0] else test.mean[NAMES.index(detail.best) - 1]
-        if line is not None:
-            out[f"from line {name}"] = cells(y - line.value(test.target))
+    if isinstance(detail, Straightness) and detail.off is not None:
+        out[f"from line {name}"] = cells(detail.off[1])
     return out
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from postproc.iso import Parameter, Stated, Term
 from postproc.iso.chance import student
 from postproc.iso.positioning import MEANS, Positioning
-from postproc.iso.sampling import Noise, largest_uncertainty, noise_of, range_uncertainty
+from postproc.iso.sampling import largest_uncertainty, noise_of, range_uncertainty
 from postproc.units import UM, URAD
 
 REVERSALS = frozenset({"B", "Bm"})
@@ -137,33 +137,22 @@ def of_positioning(test: Positioning) -> dict[str, float]:
     out = {}
     for row, sign in enumerate("+-"):
         if np.isfinite(test.mean[row]).any():
-            out[f"E{sign}"] = range_uncertainty(test.mean[row : row + 1], _row(noise, row))
+            own = slice(row, row + 1)
+            out[f"E{sign}"] = range_uncertainty(test.mean[own], noise.part(own))
     if test.two_way:
         out["E"] = range_uncertainty(test.mean, noise)
         if test.both.any():
-            mixed = _of_two(noise, 1.0)
+            mixed = noise.of_two(1.0)
             out["B"] = largest_uncertainty(test.reversal, mixed)
             u = float(np.sqrt(np.nansum(mixed.u[0] ** 2))) / int(test.both.sum())
             out["Bm"] = (
                 student(float(mixed.dof.flat[0] if mixed.pooled else np.nansum(mixed.dof))) * u
             )
-            out["M"] = range_uncertainty(test.middle[None], _of_two(noise, 0.5))
+            out["M"] = range_uncertainty(test.middle[None], noise.of_two(0.5))
     for name, value in test.values.items():
         if value is not None and name[0] in "RA":
             out[name] = _of_s(test, name)
     return out
-
-
-def _row(noise: Noise, row: int) -> Noise:
-    return Noise(noise.u[row : row + 1], noise.dof[row : row + 1], noise.s, noise.pooled)
-
-
-def _of_two(noise: Noise, factor: float) -> Noise:
-    """Of the difference (factor 1) or the mean (0.5) of both directions."""
-    dof = noise.dof[:1] if noise.pooled else noise.dof.min(axis=0, keepdims=True)
-    return Noise(
-        factor * np.sqrt((noise.u**2).sum(axis=0, keepdims=True)), dof, noise.s, noise.pooled
-    )
 
 
 def _of_s(test: Positioning, name: str) -> float:

@@ -9,6 +9,7 @@ tool and any place that a program can reach (`Machine.reached`).
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -32,10 +33,7 @@ class Bounds:
         total = self._grid_slopes()
         for letter, table in self.machine.every_table:
             low, high = table.slopes.min(axis=(1, 2)), table.slopes.max(axis=(1, 2))
-            spread = high - low
-            total += float(
-                np.linalg.norm(spread[:3]) + np.linalg.norm(spread[3:]) * self.reach(letter)
-            )
+            total += self.at_tip(letter, high - low)
         return total
 
     def local(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -46,14 +44,8 @@ class Bounds:
         for letter, table in machine.every_table:
             row = machine.letters.index(letter)
             spread, slope = table.slope_range(low[row], high[row])
-            reach = self.reach(letter)
-            kink += np.linalg.norm(spread[:3], axis=0) + np.linalg.norm(spread[3:], axis=0) * reach
-            angle = np.abs(np.stack([table.forward, table.reverse]))[:, 3:].max(axis=(0, 2))
-            steep += (
-                np.linalg.norm(slope[:3], axis=0)
-                + np.linalg.norm(slope[3:], axis=0) * reach
-                + float(np.linalg.norm(angle))
-            )
+            kink += self.at_tip(letter, spread)
+            steep += self.at_tip(letter, slope) + float(np.linalg.norm(table.sizes[3:]))
         return kink, steep
 
     @cached_property
@@ -67,12 +59,9 @@ class Bounds:
             middle = np.concatenate(
                 [[every[0] - 1.0], (every[1:] + every[:-1]) / 2, [every[-1] + 1.0]]
             )
-            total, reach = np.zeros(len(middle)), self.reach(letter)
+            total = np.zeros(len(middle))
             for table in (table for x, table in self.machine.every_table if x == letter):
-                slope = table.slope_range(middle, middle)[1]
-                total += (
-                    np.linalg.norm(slope[:3], axis=0) + np.linalg.norm(slope[3:], axis=0) * reach
-                )
+                total += self.at_tip(letter, table.slope_range(middle, middle)[1])
             found[letter] = every, total
         return found
 
@@ -81,24 +70,16 @@ class Bounds:
         """mm/mm: by how much the deviation changes per mm of way everywhere, at most, whichever
         cell the place is in: squareness, heat, tables of two axes, and every angle times the arm
         that grows."""
-        turned = (
-            np.abs(np.stack([t.forward, t.reverse]))[:, 3:].max(axis=(0, 2))
-            for _, t in self.machine.every_table
-        )
-        return self._constant + sum(float(np.linalg.norm(angle)) for angle in turned)
+        angles = (table.sizes[3:] for _, table in self.machine.every_table)
+        return self._constant + sum(float(np.linalg.norm(angle)) for angle in angles)
 
     @cached_property
     def steepest(self) -> float:
         """mm/mm: bound of the deviation's change over the way travelled."""
         total = self._constant
         for letter, table in self.machine.every_table:
-            slope = np.abs(table.slopes).max(axis=(1, 2))
-            angle = np.abs(np.stack([table.forward, table.reverse]))[:, 3:].max(axis=(0, 2))
-            total += float(
-                np.linalg.norm(slope[:3])
-                + np.linalg.norm(slope[3:]) * self.reach(letter)
-                + np.linalg.norm(angle)
-            )
+            angle = float(np.linalg.norm(table.sizes[3:]))
+            total += self.at_tip(letter, table.steepest) + angle
         return total
 
     @cached_property
@@ -118,13 +99,15 @@ class Bounds:
         )
 
     def _grid_slopes(self) -> float:
-        total = 0.0
-        for grid in self.machine.grids:
-            for slope in grid.slopes:
-                total += float(
-                    np.linalg.norm(slope[:3]) + np.linalg.norm(slope[3:]) * self.reach(grid.letter)
-                )
-        return total
+        grids = self.machine.grids
+        return float(
+            sum(self.at_tip(grid.letter, slope) for grid in grids for slope in grid.slopes)
+        )
+
+    def at_tip(self, letter: str, errors: np.ndarray) -> Any:
+        """(...) mm: how much errors (6, ...) of an axis, mm and rad, move the tool at most."""
+        moves, turns = (np.linalg.norm(part, axis=0) for part in (errors[:3], errors[3:]))
+        return moves + turns * self.reach(letter)
 
     def reach(self, letter: str) -> float:
         """mm: the longest arm of an axis."""
@@ -157,9 +140,6 @@ class Bounds:
         angle = shift = 0.0
         for x in m.chain.axes:
             size, lean, _, _ = self._sizes(x, np.zeros(1))
-            if (stands := m.locations.get(x)) is not None:
-                size += 2 * float(np.linalg.norm(stands[:3]))
-                lean += 2 * float(np.linalg.norm(stands[3:]))
             if x in m.expansions:
                 size += abs(m.expansions[x].rate) * 2 * self._travel(x)
             angle += lean
@@ -179,19 +159,12 @@ class Bounds:
             result[m.letters.index(one), m.letters.index(other)] += size
 
         for letter, table in m.every_table:
-            steep = float(np.linalg.norm(np.abs(table.slopes[3:]).max(axis=(1, 2))))
+            steep = float(np.linalg.norm(table.steepest[3:]))
             if letter in m.chain.axes:
                 for other in m.chain.arm(letter, m.axes[letter].optic):
                     add(letter, other, steep)
         for grid in m.grids:
-            mixed = grid.twist
-            add(
-                grid.letter,
-                grid.other,
-                float(
-                    np.linalg.norm(mixed[:3]) + np.linalg.norm(mixed[3:]) * self.reach(grid.letter)
-                ),
-            )
+            add(grid.letter, grid.other, self.at_tip(grid.letter, grid.twist))
             along, across = (float(np.linalg.norm(slope[3:])) for slope in grid.slopes)
             for other in m.chain.arm(grid.letter, m.axes[grid.letter].optic):
                 add(grid.letter, other, along)
@@ -245,9 +218,6 @@ class Bounds:
         for x in m.chain.axes:
             arm = self.reach(x)
             shift, lean, shift_rise, lean_rise = self._sizes(x, np.abs(way[rows[x]]))
-            if (stands := m.locations.get(x)) is not None:
-                shift += 2 * float(np.linalg.norm(stands[:3]))
-                lean += 2 * float(np.linalg.norm(stands[3:]))
             if x in m.expansions:
                 rate = abs(m.expansions[x].rate)
                 shift = shift + rate * self._travel(x)
@@ -259,20 +229,26 @@ class Bounds:
         return np.where(angle > 0, total, 0.0)
 
     def _sizes(self, letter: str, way: np.ndarray) -> tuple[float, float, np.ndarray, np.ndarray]:
-        """Largest translation mm and rotation rad of an axis, and (N,) how much they change over a
-        way (N,)."""
+        """Largest translation mm and rotation rad of an axis, twice what its line lies off in it,
+        and (N,) how much they change over a way (N,)."""
         shift = lean = 0.0
         shift_rise, lean_rise = np.zeros(len(way)), np.zeros(len(way))
         for table in (t for x, t in self.machine.every_table if x == letter):
-            size = np.abs(np.stack([table.forward, table.reverse])).max(axis=(0, 2))
-            slope = np.abs(table.slopes).max(axis=(1, 2))
-            more, turn = float(np.linalg.norm(size[:3])), float(np.linalg.norm(size[3:]))
+            more, turn = _halves(table.sizes)
+            steep, steep_turn = _halves(table.steepest)
             shift, lean = shift + more, lean + turn
-            shift_rise = shift_rise + np.minimum(float(np.linalg.norm(slope[:3])) * way, 2 * more)
-            lean_rise = lean_rise + np.minimum(float(np.linalg.norm(slope[3:])) * way, 2 * turn)
+            shift_rise = shift_rise + np.minimum(steep * way, 2 * more)
+            lean_rise = lean_rise + np.minimum(steep_turn * way, 2 * turn)
         for grid in self.machine.grids_of[letter]:
-            more = float(np.linalg.norm(grid.sizes[:3]))
-            turn = float(np.linalg.norm(grid.sizes[3:]))
+            more, turn = _halves(grid.sizes)
             shift, lean = shift + more, lean + turn
             shift_rise, lean_rise = shift_rise + 2 * more, lean_rise + 2 * turn
+        if (stands := self.machine.locations.get(letter)) is not None:
+            more, turn = _halves(stands)
+            shift, lean = shift + 2 * more, lean + 2 * turn
         return shift, lean, shift_rise, lean_rise
+
+
+def _halves(errors: np.ndarray) -> tuple[float, float]:
+    """Lengths of translation mm and rotation rad of errors (6,)."""
+    return float(np.linalg.norm(errors[:3])), float(np.linalg.norm(errors[3:]))

@@ -49,6 +49,12 @@ class Chain:
         """Rotary axes that the chain names."""
         return tuple(x for x in self.axes if x in ROTARY)
 
+    @property
+    def links(self) -> list[str]:
+        """As it is written: w, the axes, b between them, and t."""
+        at = self.workpiece_side
+        return ["w", *self.axes[:at], "b", *self.axes[at:], "t"]
+
     def side(self, letter: str) -> str:
         """ "workpiece" for an axis that carries the workpiece, else "tool"."""
         return "workpiece" if self.axes.index(letter) < self.workpiece_side else "tool"

@@ -11,7 +11,7 @@ import numpy as np
 from postproc.machine.axis import Axis
 from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.model import Machine
-from postproc.machine.tables import COMPONENTS, GridTable
+from postproc.machine.tables import COMPONENTS, GridTable, only
 
 
 def contributions(
@@ -19,8 +19,8 @@ def contributions(
 ) -> list[tuple[str, np.ndarray]]:
     """Name and (A, N) mm of every part of the deviation by itself: components, squareness,
     effects."""
-    bare = {x: axis.bare for x, axis in machine.axes.items()}
-    without = replace(machine, axes=bare, square={}, effects=())
+    without = machine.bare
+    bare = without.axes
     parts: list[tuple[str, Machine]] = []
     for x, axis in machine.axes.items():
         heated = x in machine.expansions
@@ -37,13 +37,10 @@ def _tables(letter: str, axis: Axis) -> Iterator[tuple[str, dict[str, Any]]]:
     """Name and errors of every component of an axis."""
     for table in axis.tables:
         for i in table.rows:
-            only = (np.arange(6) == i).reshape((6,) + (1,) * (table.forward.ndim - 1))
-            forward, reverse = (np.where(only, v, 0.0) for v in (table.forward, table.reverse))
-            one = replace(table, forward=forward, reverse=reverse)
-            if isinstance(one, GridTable):
-                yield f"{COMPONENTS[i]}{letter} by {one.other}", {"grids": (one,)}
+            if isinstance(table, GridTable):
+                yield f"{COMPONENTS[i]}{letter} by {table.other}", {"grids": (only(table, [i]),)}
             else:
-                yield f"{COMPONENTS[i]}{letter}", {"table": one}
+                yield f"{COMPONENTS[i]}{letter}", {"table": only(table, [i])}
 
 
 def _frame(letter: str, axis: Axis, heated: bool) -> Iterator[tuple[str, dict[str, Any]]]:

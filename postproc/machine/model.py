@@ -23,6 +23,12 @@ class Machine(Stated):
     """One machine, as its folder states it."""
 
     @cached_property
+    def bare(self) -> Machine:
+        """The machine without its errors: no tables, squareness, heat or effects."""
+        axes = {x: axis.bare for x, axis in self.axes.items()}
+        return replace(self, axes=axes, square={}, effects=())
+
+    @cached_property
     def depends(self) -> np.ndarray:
         """(A, A) bool: [i, j], whether the correction of axis i needs the position of axis j."""
         return dependence.closed(dependence.direct(self))
@@ -32,16 +38,12 @@ class Machine(Stated):
         """mm: by how much the sides of all axes together can move the others: straightness and
         angles measured both ways."""
         tables = [(x, t.half) for x, t in self.every_table]
-        tables += [
-            (grid.letter, (grid.forward - grid.reverse).reshape(6, -1) / 2) for grid in self.grids
-        ]
+        tables += [(grid.letter, grid.half.reshape(6, -1)) for grid in self.grids]
         total = 0.0
         for x, half in tables:
             size = 2 * np.abs(half).max(axis=1)
             size[3 + ROTARY.index(x) if x in ROTARY else along(x)] = 0.0
-            total += float(
-                np.linalg.norm(size[:3]) + np.linalg.norm(size[3:]) * self.bounds.reach(x)
-            )
+            total += self.bounds.at_tip(x, size)
         return total
 
     @cached_property
@@ -51,8 +53,7 @@ class Machine(Stated):
         least = np.zeros(len(self.letters))
         for row in self.corrected:
             nodes = np.concatenate(self.knots.get(self.letters[row], [np.zeros(1)]))
-            place = np.zeros((len(self.letters), len(nodes)))
-            place[row] = nodes
+            place = self.at({self.letters[row]: nodes}, len(nodes))
             least[row] = self.lost_motion(place, np.array([row])).min(initial=0.0)
         return least
 

@@ -9,17 +9,16 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import TypeVar
 
 import numpy as np
 
+from postproc.machine import tables
 from postproc.machine.axis import Axis
 from postproc.machine.chain import LINEAR
 from postproc.machine.model import Machine
 from postproc.machine.stated import EffectTerm
-from postproc.machine.tables import COMPONENTS, AxisTable, AxisUncertainty, GridTable
+from postproc.machine.tables import COMPONENTS, AxisUncertainty
 
-Table = TypeVar("Table", AxisTable, GridTable)
 ALONG = (
     "backlash",
     "backlash_position",
@@ -39,10 +38,8 @@ def names(machine: Machine) -> list[str]:
         rows = {row for table in axis.tables for row in table.rows}
         found += [f"{COMPONENTS[row]}{x}" for row in sorted(rows)]
         found += [f"heat:{x}"] if axis.expansion is not None else []
-    found += [f"{'ABC'[i]}0{x}" for x, lean in machine.square.items() for i in np.flatnonzero(lean)]
-    return found + [
-        f"{term.name}:{term.axis}" for term in machine.effects if term.module is not None
-    ]
+    effects = [f"{t.name}:{t.axis}" for t in machine.effects if t.module is not None]
+    return [*found, *machine.angles, *effects]
 
 
 def only(machine: Machine, wanted: Iterable[str]) -> Machine:
@@ -97,8 +94,8 @@ def _axis(letter: str, axis: Axis, chosen: set[str]) -> Axis:
     gone = [f"{COMPONENTS[row]}{letter}" for row in sorted({*stated_rows} - {*rows})]
     return replace(
         axis,
-        table=None if axis.table is None else _table(axis.table, rows),
-        grids=tuple(_table(g, rows) for g in axis.grids),
+        table=None if axis.table is None else tables.only(axis.table, rows),
+        grids=tuple(tables.only(g, rows) for g in axis.grids),
         expansion=axis.expansion if f"heat:{letter}" in chosen else None,
         uncertainty=_uncertainty(axis, rows),
         left_out=(*axis.left_out, *gone),
@@ -110,14 +107,7 @@ def _uncertainty(axis: Axis, rows: list[int]) -> AxisUncertainty | None:
     if u is None:
         return None
     stated = tuple(row for row in u.stated if row in rows)
-    return replace(u, table=_table(u.table, rows), stated=stated)
-
-
-def _table(table: Table, rows: list[int]) -> Table:
-    """The table with these components, the others zero."""
-    forward, reverse = np.zeros_like(table.forward), np.zeros_like(table.reverse)
-    forward[rows], reverse[rows] = table.forward[rows], table.reverse[rows]
-    return replace(table, forward=forward, reverse=reverse)
+    return replace(u, table=tables.only(u.table, rows), stated=stated)
 
 
 def _kept(term: EffectTerm, chosen: set[str]) -> bool:

@@ -50,14 +50,14 @@ def _sizes(machine: Machine) -> Iterator[str]:
 
 
 def _square(machine: Machine) -> Iterator[str]:
-    for x, lean in machine.square.items():
-        for i, value in enumerate(lean / URAD):
-            if abs(value) > LARGEST_SQUARE:
-                yield (
-                    f"squareness {'ABC'[i]}0{x} = {value:g} urad is {abs(value) * 0.3e-3:.2f} mm on"
-                    f" 300 mm, which the eye sees: are these {value / 1e3:g} urad, or nrad? urad"
-                    " are wanted (1 mm/m = 1000)"
-                )
+    for name, angle in machine.angles.items():
+        value = angle / URAD
+        if abs(value) > LARGEST_SQUARE:
+            yield (
+                f"squareness {name} = {value:g} urad is {abs(value) * 0.3e-3:.2f} mm on 300 mm,"
+                f" which the eye sees: are these {value / 1e3:g} urad, or nrad? urad are wanted"
+                " (1 mm/m = 1000)"
+            )
 
 
 def _play(machine: Machine) -> Iterator[str]:

@@ -197,9 +197,7 @@ def _about_to(axis: np.ndarray, one: np.ndarray, other: np.ndarray) -> list[tupl
 
 def with_length(machine: Machine, length: np.ndarray) -> Machine:
     """The machine with a tool of length (A,) mm."""
-    x, y, z = (
-        float(length[machine.letters.index(x)]) if x in machine.letters else 0.0 for x in XYZ
-    )
+    x, y, z = machine.xyz(length).tolist()
     return machine.with_tool((x, y, z)) if x or y or z else machine
 
 

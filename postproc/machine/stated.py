@@ -3,6 +3,7 @@ whatever the place."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import field
 from functools import cached_property
 from pathlib import Path
@@ -14,6 +15,7 @@ from postproc.machine import rotary
 from postproc.machine.axis import Axis, Driver, Expansion
 from postproc.machine.chain import (
     LINEAR,
+    ROTARY,
     XYZ,
     Arms,
     Chain,
@@ -109,6 +111,21 @@ class Stated:
         """Axis letters in the order of the columns."""
         return tuple(self.axes)
 
+    def at(self, places: Mapping[str, np.ndarray | float], count: int) -> np.ndarray:
+        """(A, N) of axis to its places, or to its one; 0 of an axis that is not named, and of what
+        is no axis of this machine nothing."""
+        rows = np.zeros((len(self.letters), count))
+        for x, place in places.items():
+            if x in self.letters:
+                rows[self.letters.index(x)] = place
+        return rows
+
+    def xyz(self, rows: np.ndarray) -> np.ndarray:
+        """(3, ...) along X Y Z of (A, ...); 0 along a direction that this machine has no axis
+        for."""
+        none = np.zeros(rows.shape[1:])
+        return np.stack([rows[self.letters.index(x)] if x in self.letters else none for x in XYZ])
+
     @cached_property
     def tables(self) -> dict[str, AxisTable]:
         return {x: axis.table for x, axis in self.axes.items() if axis.table is not None}
@@ -191,6 +208,16 @@ class Stated:
         for x, lean in self.square.items():
             found.setdefault(x, np.zeros(6))[3:] += lean
         return found
+
+    @cached_property
+    def angles(self) -> dict[str, float]:
+        """rad: each squareness that is not zero, by its name: C0Y."""
+        return {
+            f"{ROTARY[i]}0{x}": float(value)
+            for x, lean in self.square.items()
+            for i, value in enumerate(lean)
+            if value
+        }
 
     @cached_property
     def is_zero(self) -> bool:

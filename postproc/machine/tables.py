@@ -13,7 +13,10 @@ Linear between nodes, as every documented control interpolates its own table; he
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
@@ -26,28 +29,21 @@ COMPONENTS = ("EX", "EY", "EZ", "EA", "EB", "EC")  # direction; the moving axis 
 Bins = tuple[list[int], np.ndarray, np.ndarray, dict[int, int]]
 
 
-@columns
-class AxisTable:
-    """nodes (K,) mm, ascending. forward, reverse (6, K): deviations in the order of COMPONENTS, mm
-    and rad, for targets approached in + and in -; equal where a component was measured one way.
-    stated: the components that the table has a column of, as rows of COMPONENTS; the others are
-    zero for want of one."""
+class BothWays:
+    """What tables of one position and of two have in common: forward, reverse (6, K ...)."""
 
-    letter: str
-    nodes: np.ndarray
     forward: np.ndarray
     reverse: np.ndarray
-    stated: tuple[int, ...] = ()
 
     @cached_property
     def mean(self) -> np.ndarray:
-        """(6, K) mean of both directions."""
+        """(6, K ...) mean of both directions."""
         mean: np.ndarray = (self.forward + self.reverse) / 2
         return mean
 
     @cached_property
     def half(self) -> np.ndarray:
-        """(6, K) half of forward minus reverse."""
+        """(6, K ...) half of forward minus reverse."""
         half: np.ndarray = (self.forward - self.reverse) / 2
         return half
 
@@ -58,7 +54,33 @@ class AxisTable:
 
     @cached_property
     def is_zero(self) -> bool:
-        return not (np.any(self.forward) or np.any(self.reverse))
+        return not self.rows
+
+    @cached_property
+    def rows(self) -> list[int]:
+        """Components that are not zero everywhere."""
+        return [i for i in range(6) if np.any(self.forward[i]) or np.any(self.reverse[i])]
+
+    @cached_property
+    def sizes(self) -> np.ndarray:
+        """(6,) largest size of each component."""
+        both = np.abs(np.stack([self.forward, self.reverse], axis=1))
+        sizes: np.ndarray = both.reshape(6, -1).max(axis=1)
+        return sizes
+
+
+@columns
+class AxisTable(BothWays):
+    """nodes (K,) mm, ascending. forward, reverse (6, K): deviations in the order of COMPONENTS, mm
+    and rad, for targets approached in + and in -; equal where a component was measured one way.
+    stated: the components that the table has a column of, as rows of COMPONENTS; the others are
+    zero for want of one."""
+
+    letter: str
+    nodes: np.ndarray
+    forward: np.ndarray
+    reverse: np.ndarray
+    stated: tuple[int, ...] = ()
 
     @cached_property
     def slopes(self) -> np.ndarray:
@@ -84,9 +106,10 @@ class AxisTable:
         return (most - least).max(axis=1), np.maximum(np.abs(least), np.abs(most)).max(axis=1)
 
     @cached_property
-    def rows(self) -> list[int]:
-        """Components that are not zero everywhere."""
-        return [i for i in range(6) if np.any(self.forward[i]) or np.any(self.reverse[i])]
+    def steepest(self) -> np.ndarray:
+        """(6,) largest size of each component's slopes."""
+        steepest: np.ndarray = np.abs(self.slopes).max(axis=(1, 2))
+        return steepest
 
     @cached_property
     def step(self) -> float:
@@ -214,7 +237,7 @@ class AxisUncertainty:
 
 
 @columns
-class GridTable:
+class GridTable(BothWays):
     """What of an axis' errors depends on where a second axis stands; added to its table. Linear in
     either position between nodes (bilinear in both), held beyond.
 
@@ -228,21 +251,6 @@ class GridTable:
     others: np.ndarray
     forward: np.ndarray
     reverse: np.ndarray
-
-    @cached_property
-    def rows(self) -> list[int]:
-        """Components that are not zero everywhere."""
-        return [i for i in range(6) if np.any(self.forward[i]) or np.any(self.reverse[i])]
-
-    @cached_property
-    def two_way(self) -> bool:
-        return not np.array_equal(self.forward, self.reverse)
-
-    @cached_property
-    def sizes(self) -> np.ndarray:
-        """(6,) largest size of each component."""
-        sizes: np.ndarray = np.abs(np.stack([self.forward, self.reverse])).max(axis=(0, 2, 3))
-        return sizes
 
     @cached_property
     def slopes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -267,22 +275,30 @@ class GridTable:
         result: list[np.ndarray | None] = [None] * 6
         i, u = _interval(self.nodes, position)
         j, v = _interval(self.others, other)
-        mean, half = (self.forward + self.reverse) / 2, (self.forward - self.reverse) / 2
         for row in self.rows:
-            result[row] = _bilinear(mean[row], i, j, u, v)
-            if np.any(half[row]):
-                result[row] += approach * _bilinear(half[row], i, j, u, v)
+            result[row] = _bilinear(self.mean[row], i, j, u, v)
+            if np.any(self.half[row]):
+                result[row] += approach * _bilinear(self.half[row], i, j, u, v)
         return result
 
     def half_of(self, row: int, position: np.ndarray, other: np.ndarray) -> np.ndarray | float:
         """(N,) half of forward minus reverse of one component, mm or rad; 0 where it was measured
         one way."""
-        half = (self.forward[row] - self.reverse[row]) / 2
-        if not np.any(half):
+        if not np.any(self.half[row]):
             return 0.0
         i, u = _interval(self.nodes, position)
         j, v = _interval(self.others, other)
-        return _bilinear(half, i, j, u, v)
+        return _bilinear(self.half[row], i, j, u, v)
+
+
+Table = TypeVar("Table", AxisTable, GridTable)
+
+
+def only(table: Table, rows: Sequence[int]) -> Table:
+    """The table with these components, the others zero."""
+    forward, reverse = np.zeros_like(table.forward), np.zeros_like(table.reverse)
+    forward[rows], reverse[rows] = table.forward[rows], table.reverse[rows]
+    return replace(table, forward=forward, reverse=reverse)
 
 
 def _interval(nodes: np.ndarray, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

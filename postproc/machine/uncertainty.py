@@ -20,7 +20,7 @@ import numpy as np
 from postproc.machine.axis import Axis
 from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.model import Machine
-from postproc.machine.tables import COMPONENTS
+from postproc.machine.tables import COMPONENTS, only
 from postproc.units import UM
 
 
@@ -93,8 +93,7 @@ class AlongPath:
         return u
 
     def _with(self, tool: np.ndarray) -> MapUncertainty:
-        letters = self.known.machine.letters
-        x, y, z = (float(tool[letters.index(x)]) if x in letters else 0.0 for x in XYZ)
+        x, y, z = self.known.machine.xyz(tool).tolist()
         if (x, y, z) not in self.with_tool:
             self.with_tool[x, y, z] = self.known.with_tool((x, y, z))
         return self.with_tool[x, y, z]
@@ -123,20 +122,14 @@ def micrometres(mm: float) -> str:
 
 def _parts(machine: Machine) -> dict[str, Machine]:
     """Name to the machine with one error alone, U in size."""
-    bare = {x: axis.bare for x, axis in machine.axes.items()}
-    nothing = replace(machine, axes=bare, square={}, effects=())
+    nothing = machine.bare
     parts: dict[str, Machine] = {}
     for x, axis in machine.axes.items():
         if axis.uncertainty is None:
             continue
-        table = axis.uncertainty.table
         for i in axis.uncertainty.stated:
-            only = (np.arange(6) == i)[:, None]
-            forward, reverse = (
-                np.where(only, values, 0.0) for values in (table.forward, table.reverse)
-            )
-            alone = replace(bare[x], table=replace(table, forward=forward, reverse=reverse))
-            parts[f"{COMPONENTS[i]}{x}"] = replace(nothing, axes={**bare, x: alone})
+            alone = replace(nothing.axes[x], table=only(axis.uncertainty.table, [i]))
+            parts[f"{COMPONENTS[i]}{x}"] = replace(nothing, axes={**nothing.axes, x: alone})
     for name, angle in machine.square_u.items():
         lean = np.where(np.arange(3) == ROTARY.index(name[0]), angle, 0.0)
         parts[name] = replace(nothing, square={name[2]: lean})
@@ -152,11 +145,7 @@ def _errors(machine: Machine) -> list[str]:
     names = [
         name for x, axis in machine.axes.items() for name in _of_axis(axis, x in machine.expansions)
     ]
-    names += [
-        f"{ROTARY[i]}0{x}"
-        for x, lean in machine.square.items()
-        for i in map(int, np.flatnonzero(lean))
-    ]
+    names += machine.angles
     unsaid = [
         k
         for k, term in enumerate(machine.effects)

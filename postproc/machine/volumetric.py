@@ -45,10 +45,8 @@ class VolumetricMap:
     def one_way(self) -> VolumetricMap:
         """The mean of both directions."""
         axes = {x: replace(t, forward=t.mean, reverse=t.mean) for x, t in self.axes.items()}
-        means = [(g, (g.forward + g.reverse) / 2) for g in self.grids]
-        return replace(
-            self, axes=axes, grids=tuple(replace(g, forward=m, reverse=m) for g, m in means)
-        )
+        grids = tuple(replace(g, forward=g.mean, reverse=g.mean) for g in self.grids)
+        return replace(self, axes=axes, grids=grids)
 
     def _ends(self, x: str) -> tuple[float, float]:
         """mm: as far as the tables of an axis go, and the grids by it."""
@@ -105,14 +103,9 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
                 axes[x] = replace(table, forward=forward, reverse=reverse)
             if own:
                 add(left, _bend(table, x))
-    square = {
-        f"{ROTARY[i]}0{x}": float(v[i])
-        for x, v in machine.square.items()
-        for i in np.flatnonzero(v)
-    }
-    chain, notices = machine.chain, _unwritten(machine)
+    chain, angles, notices = machine.chain, machine.angles, _unwritten(machine)
     return (
-        VolumetricMap(axes, tuple(grids), square, chain.axes, chain.workpiece_side, notices),
+        VolumetricMap(axes, tuple(grids), angles, chain.axes, chain.workpiece_side, notices),
         left,
     )
 

@@ -18,6 +18,8 @@ from postproc.machine.chain import LINEAR
 DECIMALS = 4
 FIRST = ("format", "name", "title", "control", "chain", "diameter", "reversal", "source", "signs")
 NESTED = ("axes", "squareness")  # what they hold by a name is a section of its own
+# what a machine takes of the axis of one that it is like: nothing that was measured
+KEPT = ("travel", "least_increment", "max_velocity", "max_acceleration", "max_jerk", "centre")
 SECTIONS = ("axes", "squareness", "location", "tool", "offsets", "limits", "effect")
 
 

@@ -19,11 +19,6 @@ CURVES = (
 MOODS = {"turned": "bad", "too much": "bad", "nothing": "open", "between": "open"}
 
 
-def html(outcomes: Sequence[Outcome], machine: str) -> str:
-    """The file's text of `page`."""
-    return page(outcomes, machine).html()
-
-
 def page(outcomes: Sequence[Outcome], machine: str) -> Page:
     """The page of all pairs of measurements."""
     said = report.verdict(outcomes, machine)

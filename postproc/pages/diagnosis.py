@@ -17,11 +17,6 @@ from postproc.pages.frame import Page
 MOST = 6  # signals that are drawn; the others have a line
 
 
-def html(d: Diagnosis, written: str = "", accept: tuple[str, ...] = ()) -> str:
-    """The file's text of `page`."""
-    return page(d, written, accept).html()
-
-
 def page(d: Diagnosis, written: str = "", accept: tuple[str, ...] = ()) -> Page:
     """The page of a diagnosis. written: the folder of the machine that was written with it; accept:
     names that went into it by --accept."""

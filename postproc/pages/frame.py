@@ -30,6 +30,7 @@ class Page:
     subject: list[tuple[str, str]] = field(default_factory=list)
     blocks: list[dict[str, Any]] = field(default_factory=list)
     data: dict[str, Any] = field(default_factory=dict)  # for scripts of the page's own
+    scripts: tuple[str, ...] = ()  # of the page's own, in templates/
 
     def section(self, title: str, *texts: str) -> None:
         """A heading, and sentences."""
@@ -58,9 +59,8 @@ class Page:
         """Figures side by side, one below the other on a narrow screen."""
         self.blocks.append({"kind": "row", "figures": figures})
 
-    def html(self, *scripts: str) -> str:
-        """The file's text. scripts: of the page's own, in templates/. Raises UsageError where a
-        library is missing."""
+    def html(self) -> str:
+        """The file's text. Raises UsageError where a library is missing."""
         figures = [
             f
             for b in self.blocks
@@ -80,7 +80,7 @@ class Page:
                 data=_packed(data.encode("utf-8")),
                 library=_library(),
                 sequential=json.dumps(style.SEQUENTIAL),
-                scripts=[(HERE / s).read_text("utf-8") for s in ("page.js", *scripts)],
+                scripts=[(HERE / s).read_text("utf-8") for s in ("page.js", *self.scripts)],
             )
         )
 

@@ -26,12 +26,7 @@ ROLES = ("plus", "minus", "after", "limit", "open", "still")
 LEAN = 8.0  # degrees, as which the largest angle is drawn
 
 
-def html(machine: Machine) -> str:
-    """The file's text of `page`."""
-    return page(machine).html()
-
-
-def calibrated_html(machine: Machine, name: str, findings: Sequence[Finding]) -> str:
+def calibrated(machine: Machine, name: str, findings: Sequence[Finding]) -> Page:
     """The page of a machine that was made of recordings; findings come first: what looks wrong in
     them."""
     made = page(machine)
@@ -47,7 +42,7 @@ def calibrated_html(machine: Machine, name: str, findings: Sequence[Finding]) ->
     if notes := [f.message for f in findings if f.level != "doubt"]:
         made.section("To know")
         made.listing(notes)
-    return made.html()
+    return made
 
 
 def page(machine: Machine) -> Page:
@@ -228,24 +223,19 @@ def _shown(axis: Axis) -> tuple[float, float]:
 
 
 def _squareness(result: Page, machine: Machine) -> None:
-    angles = [
-        (letter, i, float(v))
-        for letter, lean in machine.square.items()
-        for i, v in enumerate(lean)
-        if v
-    ]
+    angles = machine.angles
     if not angles:
         return
     result.section("Squareness")
     result.table(
         ("name", ">angle, urad", ">U (95 %), urad", ">over its travel, um"),
-        [_angle(machine, *angle) for angle in angles],
+        [_angle(machine, *angle) for angle in angles.items()],
     )
-    largest = max(abs(v) for *_, v in angles)
+    largest = max(map(abs, angles.values()))
     data, notes, at = [], [], 0.0
-    for letter, i, value in angles:
-        if letter in XYZ:
-            curves, said = _lean(letter, i, value, LEAN * value / largest, at)
+    for name, value in angles.items():
+        if name[2] in XYZ:
+            curves, said = _lean(name, value, LEAN * value / largest, at)
             data += curves
             notes += said
             at += 1.5
@@ -269,9 +259,9 @@ def _squareness(result: Page, machine: Machine) -> None:
     )
 
 
-def _angle(machine: Machine, letter: str, i: int, value: float) -> tuple[str, ...]:
+def _angle(machine: Machine, name: str, value: float) -> tuple[str, ...]:
     """An angle in numbers: how well it is known, and what it makes over the axis' travel."""
-    name = f"{ROTARY[i]}0{letter}"
+    letter = name[2]
     u = machine.square_u.get(name)
     over = "-"
     if letter in machine.axes and letter in XYZ:
@@ -279,13 +269,11 @@ def _angle(machine: Machine, letter: str, i: int, value: float) -> tuple[str, ..
     return (name, f"{value / URAD:+.1f}", "not stated" if u is None else f"+- {u / URAD:.1f}", over)
 
 
-def _lean(
-    letter: str, i: int, value: float, degrees: float, at: float
-) -> tuple[list[dict], list[dict]]:
+def _lean(name: str, value: float, degrees: float, at: float) -> tuple[list[dict], list[dict]]:
     """A right angle with its foot at `at`, and beside it the axis as it leans, drawn by so many
     degrees; and what is written there."""
     # A turn about axis i moves the end of a unit vector along `letter` into the remaining one.
-    name = f"{ROTARY[i]}0{letter}"
+    i, letter = ROTARY.index(name[0]), name[2]
     other = next(x for k, x in enumerate(XYZ) if k != i and x != letter)
     turn = np.radians(degrees)
     sign = 1.0 if (XYZ.index(other) - XYZ.index(letter)) % 3 == 1 else -1.0

@@ -107,14 +107,9 @@ def _slice(machine: Machine, across: str, up: str, third: str | None, level: flo
 
     def at(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         a, b = (np.linspace(*_reach(machine, x), count) for x in (across, up))
-        places = np.zeros((len(machine.letters), count * count))
-        grid = np.meshgrid(a, b)
-        places[machine.letters.index(across)], places[machine.letters.index(up)] = (
-            g.ravel() for g in grid
-        )
-        if third:
-            places[machine.letters.index(third)] = level
-        return a, b, deviation(machine, places)
+        grid = dict(zip((across, up), (g.ravel() for g in np.meshgrid(a, b)), strict=True))
+        resting = {third: level} if third else {}
+        return a, b, deviation(machine, machine.at({**grid, **resting}, count * count))
 
     a, b, off = at(GRID)
     size = np.linalg.norm(off, axis=0)

@@ -18,11 +18,6 @@ from postproc.units import UM
 LEAST = 0.005  # of the sum: a cause of less is not drawn
 
 
-def html(results: Sequence[Result], left: Sequence[str] = ()) -> str:
-    """The file's text of `page`."""
-    return page(results, left).html()
-
-
 def _figure(result: Result, name: str) -> charts.Figure | None:
     """What was read; None: there is no figure of such a test."""
     if isinstance(result.detail, Positioning | Straightness):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -11,15 +10,14 @@ import numpy as np
 from postproc.iso import Result
 from postproc.iso.circles import Trace
 from postproc.iso.drift import HOUR, Drift
-from postproc.iso.figure import about_centre, round_down
+from postproc.iso.figure import ends, magnified, readings_of
 from postproc.iso.positioning import Positioning
 from postproc.iso.report import decimals, number, scale
-from postproc.iso.straightness import NAMES, Straightness
+from postproc.iso.straightness import Straightness
 from postproc.pages import charts
 
 SIDE = 0.86  # of the width; beside it stand the widths E, M and A
 ROLES = {1: "plus", -1: "minus"}
-FILL = 0.5  # of the radius, which the largest deviation of a circle is drawn to fill
 MOST_READINGS, MOST_POINTS = 4000, 2500  # of a figure
 
 
@@ -43,9 +41,7 @@ def _bands(test: Positioning, unit: float) -> Iterator[charts.Trace]:
 def along(result: Result, name: str) -> charts.Figure:
     """Readings, means, means +- 2 s, and beside the travel the widths that the parameters stand
     for."""
-    test: Positioning = (
-        result.detail.test if isinstance(result.detail, Straightness) else result.detail
-    )
+    test = readings_of(result)
     unit = scale(result)
     x = charts.column(test.target, 4)
     data: list[charts.Trace] = []
@@ -104,26 +100,10 @@ def _widths(
     result: Result, test: Positioning, unit: float
 ) -> tuple[list[charts.Trace], list[dict[str, Any]]]:
     """E, M and A as bars beside the curves, each with its name and size."""
-    spread = np.isfinite(test.s).any()
-    both = test.both.any()
-    ends = {
-        "M": (np.nanmin(test.middle), np.nanmax(test.middle)) if both else None,
-        "E": (np.nanmin(test.mean), np.nanmax(test.mean)),
-        "A": (
-            (np.nanmin(test.mean - 2 * test.s), np.nanmax(test.mean + 2 * test.s))
-            if spread
-            else None
-        ),
-    }
-    known = {p.name: p.value for p in result.parameters}
-    sign = "" if known.get("E") is not None else "+" if known.get("E+") is not None else "-"
     data, notes = [], []
-    for k, (letter, low_high) in enumerate(ends.items()):
-        value = known.get(f"{letter}{sign}")
-        if low_high is None or value is None:
-            continue
-        low, high = (round(float(v) / unit, 3) for v in low_high)
-        label = f"{letter}{sign}"
+    for label, width in ends(result, test).items():
+        k, value = "MEA".index(label[0]), result[label].value
+        low, high = (round(float(v) / unit, 3) for v in width)
         data.append(charts.line(
             [k, k], [low, high], label, "ink", xaxis="x2", showlegend=False, mode="lines+markers",
             marker={"symbol": "line-ew-open", "size": 12, "color": "@ink"},
@@ -140,16 +120,13 @@ def _widths(
 
 def _lines(result: Result, lines: Straightness, unit: float) -> list[charts.Trace]:
     """The reference line and the zone of the straightness error about it."""
-    line, name = lines.lines[lines.best], lines.best
-    if line is None:
+    if lines.off is None:
         return []
-    test, x = lines.test, charts.column(lines.test.target, 4)
-    y = test.middle if name == NAMES[0] else test.mean[NAMES.index(name) - 1]
-    level = line.value(test.target)
-    off = (y - level)[np.isfinite(y)]
+    x, name = charts.column(lines.test.target, 4), lines.best
+    level, off = lines.off
     size = shown(result, lines.errors[name])
     data = [charts.line(x, charts.column(level / unit, 3), f"{lines.kind} line", "ink", width=1.2)]
-    for k, edge in enumerate((off.max(), off.min())):
+    for k, edge in enumerate((np.nanmax(off), np.nanmin(off))):
         data.append(charts.line(
             x, charts.column((level + edge) / unit, 3), f"zone: {name} {size} {result.unit}", "ink",
             dash="dashdot", width=1, showlegend=not k,
@@ -197,9 +174,7 @@ def circle(result: Result, name: str) -> charts.Figure:
     """Circles about their least-squares centre (arcs as they stand), deviations magnified."""
     traces: list[Trace] = result.detail
     nominal = traces[0].nominal
-    about = [about_centre(t) for t in traces]
-    largest = max(float(np.abs(radial).max()) for _, radial in about)
-    times = round_down(FILL * nominal / max(largest, 1e-6))
+    about, times, division, rings = magnified(traces)
     plane = result.subject.split(",")[0]
     data: list[charts.Trace] = []
     seen: set[int] = set()
@@ -223,9 +198,6 @@ def circle(result: Result, name: str) -> charts.Figure:
         "theta": charts.column(turn, 1), "r": [nominal] * len(turn),
         "line": {"color": "@ink", "width": 1, "dash": "dot"}, "hoverinfo": "skip",
     })  # fmt: skip
-    division = round_down(max(largest, 1e-4))
-    edge = math.ceil(largest / division)
-    rings = division * np.arange(-edge, edge + 1)
     return charts.figure(
         name,
         f"About the least-squares centre, deviations {times:g} times larger; one ring is"

@@ -27,11 +27,6 @@ NOTHING = 1e-9  # mm: what arithmetic leaves
 EVEN = 8.0  # times: more than that between before and after asks for logarithmic steps
 
 
-def html(filter_: Filter, verifier: Verifier, why: str = "") -> str:
-    """The file's text of `page`."""
-    return page(filter_, verifier, why).html("program.js")
-
-
 def page(filter_: Filter, verifier: Verifier, why: str = "") -> Page:
     """The page of a program that was corrected and verified, with the verifier's trace. why: that
     it was written out."""
@@ -42,6 +37,7 @@ def page(filter_: Filter, verifier: Verifier, why: str = "") -> Page:
         f"{Path(filter_.name).name} on {filter_.machine.name}",
         _headline(verifier),
         "good" if verifier.passed else "bad",
+        scripts=("program.js",),
     )
     summary = filter_.summary
     result.subject = [

@@ -15,11 +15,6 @@ FREE = "Blocks that are free in the controller's planner: at zero it has as much
 BUFFER = "Bytes in the controller's receive buffer, as they are counted here."
 
 
-def html(fields: dict[str, Any], samples: list[dict[str, Any]], ended: str = "") -> str:
-    """The file's text of `page`."""
-    return page(fields, samples, ended).html()
-
-
 def page(fields: dict[str, Any], samples: list[dict[str, Any]], ended: str = "") -> Page:
     """The page of a job. fields: what gcomp-run/1 holds; samples: states while it ran, in the order
     of time; ended: how it ended, as a person is told, with what is certain and the way out."""

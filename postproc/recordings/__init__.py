@@ -57,6 +57,13 @@ class Source:
         """The error to raise at a line."""
         return RecordingError(message, advice, Place(self.name, line, text))
 
+    def unusable(self, fault: Fault, strict: bool, row: str) -> Fault:
+        """The fault of a row that is left out. Raises RecordingError where strict."""
+        if strict:
+            advice = "mend the row; --lenient leaves such rows out"
+            raise self.fault(fault.line, fault.message, advice, row)
+        return fault
+
 
 @dataclass(frozen=True)
 class Fault:

@@ -187,11 +187,9 @@ def _read_long(source, options, table, columns, notices) -> Recording:
     faults: list[Fault] = []
     for number, cells in table.rows[top + 1 :]:
         row = _row(number, cells, at, headings, table.decimal)
-        if row.wrong and options.strict:
-            place = Place(source.name, number, table.delimiter.join(cells))
-            raise RecordingError(row.wrong, "mend the row; --lenient leaves such rows out", place)
         if row.wrong:
-            faults.append(Fault(number, row.column, row.wrong))
+            fault = Fault(number, row.column, row.wrong)
+            faults.append(source.unusable(fault, options.strict, table.delimiter.join(cells)))
         else:
             rows.append(row)
     heed = _first(options, any(row.relative for row in rows), notices)

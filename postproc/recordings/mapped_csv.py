@@ -13,8 +13,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from postproc.errors import Place, UsageError
-from postproc.recordings import Fault, ReadingOptions, Recording, RecordingError, Source, _sheet
+from postproc.errors import UsageError
+from postproc.recordings import Fault, ReadingOptions, Recording, Source, _sheet
 from postproc.recordings import _components as components
 from postproc.recordings import _mapped_columns as names
 from postproc.recordings import _mapped_kinds as kinds
@@ -154,13 +154,11 @@ def _rows(
     relative = False
     for line, cells in table.rows[top:]:
         row = _row(line, cells, options.first or 1, table, named)
-        if row.wrong and options.strict:
-            place = Place(source.name, line, table.delimiter.join(cells))
-            raise RecordingError(row.wrong, "mend the row; --lenient leaves such rows out", place)
         relative = relative or row.relative
         faults += [Fault(line, name, _sheet.MISSING) for name in row.empty]
         if row.wrong:
-            faults.append(Fault(line, "", row.wrong))
+            fault = Fault(line, "", row.wrong)
+            faults.append(source.unusable(fault, options.strict, table.delimiter.join(cells)))
         else:
             rows.append(row)
     return rows, faults, relative

@@ -231,9 +231,9 @@ def _rows(
             wrong = _wrong_place(*place, runs, n_targets, rows)
             if not wrong:
                 rows[place] = (value, line)
-        if wrong and options.strict:
-            raise source.fault(line, wrong, "mend the row; --lenient leaves such rows out", row)
-        faults += [Fault(line, "Run Target Data", wrong)] * bool(wrong)
+        if wrong:
+            fault = Fault(line, "Run Target Data", wrong)
+            faults.append(source.unusable(fault, options.strict, row))
     if not rows:
         raise source.fault(
             found.line("DEVIATIONS"), "there are no deviations", "they stand below Run Target Data:"

@@ -126,20 +126,11 @@ class Reality:
         approach = np.stack([state.approach[x] for x in bare.letters])
         length = self.timeline.tool(piece)
         if not bare.turns or not length.any():
-            return _in_space(bare, bare.deviation(position, approach))
+            return bare.xyz(bare.deviation(position, approach))
         result = np.zeros((3, len(state)))
         tools, which = np.unique(length, axis=1, return_inverse=True)
         for k, (x, y, z) in enumerate(tools.T.tolist()):
             of = which.ravel() == k
             one = bare.with_tool((x, y, z))
-            result[:, of] = _in_space(one, one.deviation(position[:, of], approach[:, of]))
+            result[:, of] = one.xyz(one.deviation(position[:, of], approach[:, of]))
         return result
-
-
-def _in_space(machine: Machine, deviation: np.ndarray) -> np.ndarray:
-    """(3, N) of (A, N)."""
-    result = np.zeros((3, deviation.shape[1]))
-    for i, x in enumerate(machine.letters):
-        if x in XYZ:
-            result[XYZ.index(x)] = deviation[i]
-    return result

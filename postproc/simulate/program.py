@@ -261,5 +261,4 @@ class Reader:
 
 def without_errors(machine: Machine) -> Machine:
     """The machine as its control believes it to be."""
-    axes = {x: axis.bare for x, axis in machine.axes.items()}
-    return replace(machine, axes=axes, square={}, effects=(), control_tables=())
+    return replace(machine.bare, control_tables=())

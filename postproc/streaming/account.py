@@ -39,13 +39,6 @@ QUESTION = re.compile(rb"\$[#$GIN]", re.IGNORECASE)  # which moves nothing
 AXES = re.compile(rb"[A-CI-KRU-Z]", re.IGNORECASE)
 
 
-def per_mm(controller: Controller) -> list[float]:
-    """Steps a mm of the controller's axes in its own order, $100 and on; 0 where it does not say
-    so."""
-    said = [controller.settings.get(str(100 + i), "") for i in range(6)]
-    return [float(s) if re.fullmatch(r"[0-9]*\.?[0-9]+", s) else 0.0 for s in said]
-
-
 def _stays(start: tuple[float, ...], end: tuple[float, ...]) -> bool:
     """Whether both are the same place; unknown is like unknown."""
     return all(a == b or (a != a and b != b) for a, b in zip(start, end, strict=True))
@@ -62,10 +55,10 @@ class Account:
 
     def __init__(self, controller: Controller, order: tuple[int, ...] = ()):
         self.order = order
-        self._steps = per_mm(controller)
+        # a mm of its axes in its own order; 0 where it does not say so
+        self._steps = [controller.setting(100 + i) for i in range(6)]
         self._segments, self._blocks = controller.segments, controller.planner
-        step = max((1.0 / k for k in self._steps if k > 0), default=0.0)
-        self._estimate = LineEstimate(SHORT + 2 * step, order)
+        self._estimate = LineEstimate(SHORT + 2 * controller.coarsest_step, order)
         self.parts: deque[Part] = deque()
         self.answered_to = self.executed = 0
         self.source = 0

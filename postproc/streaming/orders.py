@@ -88,8 +88,10 @@ def in_words(status: Status, port: str) -> str:
 def line_of(order: str, words: list[str]) -> bytes:
     """The line of an order; b"": it is a single byte. Raises UsageError for words that it can not
     have."""
-    if order in (JOG, ZERO):
-        return _axes(order, words)
+    if order == JOG:
+        return _jog(words)
+    if order == ZERO:
+        return _zero(words)
     if order == SEND:
         text = " ".join(words).strip()
         if not text or any(ord(c) > 126 or c in "!~?\n\r" for c in text):
@@ -100,10 +102,6 @@ def line_of(order: str, words: list[str]) -> bytes:
     if words:
         raise UsageError(f"{order} takes no words", f"gcomp control --port P {order}")
     return {UNLOCK: b"$X", HOME: b"$H"}.get(order, b"")
-
-
-def _axes(order: str, words: list[str]) -> bytes:
-    return (_zero if order == ZERO else _jog)(words)
 
 
 def _zero(words: list[str]) -> bytes:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from postproc.streaming.lines import WireLine
 
@@ -101,10 +101,10 @@ def with_rest(
 ) -> Outcome:
     """The outcome with what is certain and what is not; last: the line answered last; at, unsure:
     where the tool is, and the first line that may not be over."""
-    return Outcome(
-        outcome.kind, outcome.message, outcome.advice, last.number if last else 0,
-        tuple(line for line in unanswered if line.number > 0), tuple(tally.rejected),
-        last.source if last else 0, at, unsure,
+    return replace(
+        outcome, last_certain=last.number if last else 0, rejected=tuple(tally.rejected),
+        unanswered=tuple(line for line in unanswered if line.number > 0),
+        certain_source=last.source if last else 0, at=at, unsure=unsure,
     )  # fmt: skip
 
 

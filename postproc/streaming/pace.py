@@ -52,9 +52,9 @@ class Pace:
     def __init__(
         self, controller: Controller, order: Sequence[int], wire: Callable[[WireLine], float]
     ):
-        self._rates = [self._of(controller, 110 + k) / 60 for k in order]
-        self._accelerations = [self._of(controller, 120 + k) for k in order]
-        self._deviation = self._of(controller, 11, DEVIATION)
+        self._rates = [(controller.setting(110 + k) or math.inf) / 60 for k in order]
+        self._accelerations = [controller.setting(120 + k) or math.inf for k in order]
+        self._deviation = controller.setting(11) or DEVIATION
         self._ahead, self._wire = max(2, min(controller.planner, 256)), wire
         self._queue: deque[Block] = deque()
         self._last: tuple[float, ...] = ()
@@ -64,14 +64,6 @@ class Pace:
         self.total = 0.0
         self._sums: list[float] = [0.0]
         self._n = 0
-
-    @staticmethod
-    def _of(controller: Controller, number: int, default: float = math.inf) -> float:
-        try:
-            value = float(controller.settings.get(str(number), ""))
-        except ValueError:
-            return default
-        return value if value > 0 else default
 
     @property
     def knows(self) -> bool:

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from postproc.streaming.account import REST, Account, per_mm
+from postproc.streaming.account import REST, Account
 from postproc.streaming.events import Status
 from postproc.streaming.limits import Limits
 from postproc.streaming.lines import Part, WireLine
@@ -39,11 +39,6 @@ def nearest(points: np.ndarray, place: np.ndarray) -> tuple[np.ndarray, float]:
     return near[i], float(distance[i])
 
 
-def coarsest_step(controller: Controller) -> float:
-    """mm: of the motors, by $100 and on; 0 where it does not say so."""
-    return max((1.0 / k for k in per_mm(controller) if k > 0), default=0.0)
-
-
 class Path:
     """judge() for every report, which also goes to the account. order: where each axis of a line's
     `end` stands in the reports, (): in the same order. limit: mm. watched: whether it looks.
@@ -59,7 +54,7 @@ class Path:
     ):
         self.order = order
         self.account = Account(controller, order)
-        self.limit = limit + 2 * coarsest_step(controller)
+        self.limit = limit + 2 * controller.coarsest_step
         self._lost = not watched
         self.off_path = 0
         self.distance = 0.0

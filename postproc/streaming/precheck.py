@@ -80,10 +80,10 @@ class Precheck:
         self.order = order
         self.name = name
         self.grbl = grbl
-        self.travel = [self._setting(str(130 + k)) for k in order]
-        self.soft = self._setting("20") not in (0.0, math.inf)
-        mask = self._setting("23")
-        homes = int(mask) if "Z" in controller.flags and math.isfinite(mask) else 0
+        self.travel = [controller.setting(130 + k, math.inf) for k in order]
+        self.soft = controller.setting(20) != 0.0
+        mask = controller.setting(23)
+        homes = int(mask) if "Z" in controller.flags else 0
         self.reach = [
             (0.0, t) if homes >> k & 1 else (-t, 0.0)
             for k, t in zip(order, self.travel, strict=True)
@@ -99,11 +99,6 @@ class Precheck:
         self._least = [math.inf] * len(letters)
         self._most = [-math.inf] * len(letters)
         self.stores = False
-
-    def _setting(self, number: str) -> float:
-        """inf: it does not say."""
-        text = self.controller.settings.get(number, "")
-        return float(text) if re.fullmatch(r"[0-9]*\.?[0-9]+", text) else math.inf
 
     def look(self, line: WireLine) -> None:
         text = line.text

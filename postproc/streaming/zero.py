@@ -19,7 +19,7 @@ from postproc.streaming import journal
 from postproc.streaming.journal import Past
 from postproc.streaming.live import SAME_MM, Live
 from postproc.streaming.outcome import ABORTED, ALARM, DISCONNECTED, RESET
-from postproc.streaming.path import coarsest_step, nearest
+from postproc.streaming.path import nearest
 from postproc.streaming.protocols import Controller
 
 NEAR_MM = 0.1  # of the way: a journal's arcs are chords that miss by 45 um, a report is rounded
@@ -120,7 +120,7 @@ def certain(past: Past, live: Live, letters: tuple[str, ...], controller: Contro
 
 def within(controller: Controller) -> float:
     """mm from its way at which a machine stands on it."""
-    return NEAR_MM + 2 * coarsest_step(controller)
+    return NEAR_MM + 2 * controller.coarsest_step
 
 
 def _of_unlocked(past: Past | None) -> str:

@@ -126,22 +126,8 @@ class CentreVerifier:
             return
         self.nominal = Contour(nominal, weights[:, i].copy())
         self.run = Contour(run, weights[:, i].copy())
-        self.at_work = self.machine
-        if motions.space[i]:
-            space = motions.spaces[int(motions.space[i])]
-            tool = motions.length[:, i] / TICKS_PER_MM
-            self.at_work = seen_in(self.machine, tool, space, False)
-        elif self.machine.turns and motions.length.any():
-            length = dict(
-                zip(
-                    self.machine.letters,
-                    (motions.length[:, i] / TICKS_PER_MM).tolist(),
-                    strict=True,
-                )
-            )
-            self.at_work = self.machine.with_tool(
-                (length.get("X", 0.0), length.get("Y", 0.0), length.get("Z", 0.0))
-            )
+        space, tool = motions.spaces[int(motions.space[i])], motions.length[:, i] / TICKS_PER_MM
+        self.at_work = seen_in(self.machine, tool, space, False)
 
     def _step(self, shifted: Shifted, of: Motions, row: int, nominal: Motions, i: int) -> None:
         """One motion of a program, which belongs to nominal motion i."""

@@ -4,7 +4,6 @@ program by a clock of its own."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -50,8 +49,5 @@ class Warm:
 def _alone(machine: Machine) -> list[Machine]:
     """For each driver of a machine's growth the machine that has nothing else, moved by one unit of
     it."""
-    nothing = replace(
-        machine, axes={x: a.bare for x, a in machine.axes.items()}, square={}, effects=()
-    )
     every = np.eye(len(machine.growth))
-    return [growth.grown(nothing, machine.growth, one) for one in every]
+    return [growth.grown(machine.bare, machine.growth, one) for one in every]

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.machine.poses import tips
 from postproc.machine.rotary import rotation
@@ -127,13 +126,9 @@ class Rows:
 
 def nominal_tip(machine: Machine, q: np.ndarray, tool: np.ndarray) -> np.ndarray:
     """(3, N) mm: where the tip is without errors, in the part where rotary axes turn it."""
-    m = replace(machine, tool=tool)
     if machine.chain.rotary:
-        return tips(m, q)
-    slides = np.array(
-        [q[m.letters.index(x)] if x in m.letters else np.zeros(q.shape[1]) for x in XYZ]
-    )
-    return slides + tool[:, None]
+        return tips(replace(machine, tool=tool), q)
+    return machine.xyz(q) + tool[:, None]
 
 
 def to_machine(machine: Machine, q: np.ndarray) -> np.ndarray:

@@ -312,8 +312,6 @@ def corners(fitted: Fit, tool: np.ndarray) -> float:
             *[[m.axes[x].travel[0], sum(m.axes[x].travel) / 2, m.axes[x].travel[1]] for x in slides]
         )
     )
-    q = np.zeros((len(m.letters), ends[0].size))
-    for x, row in zip(slides, ends.reshape(len(slides), -1), strict=True):
-        q[m.letters.index(x)] = row
+    q = m.at(dict(zip(slides, ends.reshape(len(slides), -1), strict=True)), ends[0].size)
     u = fitted.at(q, np.zeros_like(q), tool)[1]
     return float(np.sqrt((u**2).sum(axis=0)).max())

@@ -181,9 +181,4 @@ def _tip_deviation(
     approach = np.zeros_like(q) if approach is None else approach
     if machine.chain.rotary:
         return machine.carried(q, approach)[0]
-    off = machine.deviation(q, approach)
-    found = np.zeros((3, q.shape[1]))
-    for i, x in enumerate(XYZ):
-        if x in machine.letters:
-            found[i] = off[machine.letters.index(x)]
-    return found
+    return machine.xyz(machine.deviation(q, approach))

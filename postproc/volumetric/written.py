@@ -12,14 +12,12 @@ import numpy as np
 from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.model import Machine
 from postproc.machine.tables import COMPONENTS
-from postproc.machine.write import axis_table, machine_toml
+from postproc.machine.write import KEPT, axis_table, machine_toml
 from postproc.units import UM, URAD
 from postproc.volumetric.identify import sentences, undetermined
 from postproc.volumetric.rows import Rows, unit_of
 from postproc.volumetric.solve import Fit, corners
 from postproc.volumetric.unknowns import Group
-
-KEPT = ("travel", "least_increment", "max_velocity", "max_acceleration", "max_jerk", "centre")
 
 
 def open_names(fit: Fit) -> set[str]:

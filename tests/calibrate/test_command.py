@@ -4,6 +4,7 @@ what is refused."""
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 from pytest import approx
 
 from postproc import cli
+from postproc.commands import calibrate as command
 from postproc.errors import MachineError
 from postproc.machine import places
 from postproc.machine.file import read_machine
@@ -385,3 +387,11 @@ def test_a_program_is_corrected_with_the_calibrated_machine(made, capsys):
     line = next(x for x in err.splitlines() if x.startswith("gcomp: not in the map: "))
     assert "squareness of XZ" in line and "EBX: never measured" in line and "unverified" in line
     assert (place / "out.nc").read_text() != (place / "part.nc").read_text()
+
+
+def test_like_takes_the_folder_that_is_checked(tmp_path, monkeypatch):
+    """A machine's folder that stands here goes before one of this name that comes with gcomp."""
+    mill = places.folder_of("example-mill").resolve()
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(mill, "studer-s36")
+    assert command.like_of("studer-s36")["chain"] == command.like_of(str(mill))["chain"]

@@ -174,7 +174,7 @@ def test_what_is_accepted_by_name_is_drawn_as_written(bar):
     unsure = replace(
         found, findings=tuple(replace(f, equivalent=("sensor_drift:Z",)) for f in found.findings)
     )
-    without, accepted = diagnosis.html(unsure), diagnosis.html(unsure, accept=(name,))
+    without, accepted = diagnosis.page(unsure).html(), diagnosis.page(unsure, accept=(name,)).html()
     assert f"{name} is NOT written" in without and "written-Z" not in without
     assert f"{name} is written" in accepted and drawn.curves(accepted, "written-Z")
 

@@ -28,7 +28,7 @@ def test_every_machine_has_a_page_that_asks_for_nothing(name, tmp_path, capfd):
 
 def test_curves_are_the_tables_to_the_digit():
     machine = gcomp.load_machine("studer-s36")
-    html = pages.html(machine)
+    html = pages.page(machine).html()
     table = machine.tables["Z"]
     for way, values in (("+", table.forward), ("-", table.reverse)):
         curve = drawn.curves(html, "axis-Z-translations")[f"EZZ, approached in {way}"]
@@ -40,7 +40,7 @@ def test_squareness_leans_to_the_side_that_it_leans_to():
     """B0X = -382 urad: turned about Y by that, +X goes towards +Z by 0.065 mm at 170 mm (thesis,
     6.3.4)."""
     machine = gcomp.load_machine("studer-s36")
-    curve = drawn.curves(pages.html(machine), "square")["B0X"]
+    curve = drawn.curves(pages.page(machine).html(), "square")["B0X"]
     place = np.array([[170.0], [0.0]])  # of X and Z; there EZZ is zero, and EZX joins in
     assert curve["x"][1] > curve["x"][0]
     row = machine.letters.index("Z")
@@ -50,7 +50,9 @@ def test_squareness_leans_to_the_side_that_it_leans_to():
 
 def test_the_volume_holds_the_deviation_of_the_machine():
     machine = gcomp.load_machine("example-mill")
-    found = next(f for f in drawn.data(pages.html(machine))["figures"] if f["id"] == "volume")
+    found = next(
+        f for f in drawn.data(pages.page(machine).html())["figures"] if f["id"] == "volume"
+    )
     heat = found["steps"]["data"][-1][0]
     place = np.array([[heat["x"][0]], [heat["y"][-1]], [float(found["steps"]["values"][-1])]])
     off = (
@@ -60,7 +62,7 @@ def test_the_volume_holds_the_deviation_of_the_machine():
 
 
 def test_a_machine_without_errors_says_so_and_draws_none():
-    html = pages.html(gcomp.load_machine("perfect"))
+    html = pages.page(gcomp.load_machine("perfect")).html()
     assert "The map of this machine is zero" in html and drawn.data(html)["figures"] == []
 
 
@@ -71,7 +73,7 @@ def test_a_page_is_of_one_machine(tmp_path, capfd):
 
 def test_in_the_browser_a_slider_shows_another_level(opened, tmp_path):
     out = tmp_path / "m.html"
-    out.write_text(pages.html(gcomp.load_machine("mv-1060")), "utf-8")
+    out.write_text(pages.page(gcomp.load_machine("mv-1060")).html(), "utf-8")
     with opened(out, 400) as page:
         assert page.inner_text(".steps output") == "0"
         page.evaluate(
@@ -84,15 +86,15 @@ def test_in_the_browser_a_slider_shows_another_level(opened, tmp_path):
 def test_an_axis_whose_errors_are_effects_or_heat_is_not_called_without_errors():
     """A router with 60 um of backlash on X had "No error is stated along this axis"; a mill that is
     corrected for its heat was one of which no program is changed."""
-    router = pages.html(gcomp.load_machine("example-router"))
+    router = pages.page(gcomp.load_machine("example-router")).html()
     assert router.count("what is stated of it (below): backlash") == 2
-    warm = pages.html(gcomp.load_machine("example-warm-mill"))
+    warm = pages.page(gcomp.load_machine("example-warm-mill")).html()
     assert "no program is changed but for its heat, where --temperatures" in warm
     assert "X, Y: growth with temperature is stated" in warm
 
 
 def test_names_of_axes_stand_beside_the_leaning_line():
-    figures = drawn.data(pages.html(gcomp.load_machine("example-mill")))["figures"]
+    figures = drawn.data(pages.page(gcomp.load_machine("example-mill")).html())["figures"]
     figure = next(f for f in figures if f["id"] == "square")
     leaning = [c for c in figure["data"] if c["name"] in ("C0Y", "A0Z", "B0Z")]
     names = [n for n in figure["layout"]["annotations"] if n["y"] == 0.9]
@@ -105,7 +107,9 @@ def test_names_of_axes_stand_beside_the_leaning_line():
 
 def test_arrows_have_a_scale_with_a_unit_and_the_map_ends_where_it_was_measured():
     machine = gcomp.load_machine("studer-s36")
-    figure = next(f for f in drawn.data(pages.html(machine))["figures"] if f["id"] == "volume")
+    figure = next(
+        f for f in drawn.data(pages.page(machine).html())["figures"] if f["id"] == "volume"
+    )
     curves = {c.get("name", c["type"]): c for c in figure["data"]}
     low, high = curves["scale"]["x"]
     assert curves["scale"]["text"] == ["", "50 um"]

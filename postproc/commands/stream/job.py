@@ -119,9 +119,8 @@ class Job:
 
     def _rapid(self) -> float:
         """mm/min of rapids, as the controller's settings say ($110 and on in GRBL and its kin)."""
-        rates = [self.protocol.controller.settings.get(str(110 + i), "") for i in range(3)]
-        known = [float(r) for r in rates if r.replace(".", "", 1).isdigit() and float(r) > 0]
-        return min(known, default=RAPID_MM_MIN)
+        rates = [self.protocol.controller.setting(110 + i) for i in range(3)]
+        return min((rate for rate in rates if rate > 0), default=RAPID_MM_MIN)
 
     def _text(self, begin: int) -> Iterator[bytes]:
         if self.copy is None:

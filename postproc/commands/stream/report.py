@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import io
 import os
 from pathlib import Path
 from typing import Any
@@ -70,8 +69,6 @@ def write(
     if options.report and not plain:
         from postproc.pages import run
 
-        ports.replace_file(
-            Path(options.report),
-            io.BytesIO(run.html(fields, history.samples, ended).encode()),
-            backup=False,
+        ports.write_whole(
+            options.report, run.page(fields, history.samples, ended).html().encode("utf-8")
         )

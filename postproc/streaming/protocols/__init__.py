@@ -26,6 +26,7 @@ from __future__ import annotations
 import functools
 import importlib
 import pkgutil
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import ModuleType
@@ -71,6 +72,16 @@ class Controller:
     def unit(self) -> float:
         """mm of a unit of length of its reports."""
         return MM_PER_INCH if self.inches else 1.0
+
+    def setting(self, number: int, default: float = 0.0) -> float:
+        """The number that it says of a setting of GRBL and its kin; default: it does not say it."""
+        text = self.settings.get(str(number), "")
+        return float(text) if re.fullmatch(r"[0-9]*\.?[0-9]+", text) else default
+
+    @property
+    def coarsest_step(self) -> float:
+        """mm: of the motors, by $100 and on; 0 where it does not say so."""
+        return max((1.0 / k for i in range(6) if (k := self.setting(100 + i)) > 0), default=0.0)
 
 
 class Protocol(Interface):
