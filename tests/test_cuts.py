@@ -20,6 +20,7 @@ from postproc.nc import dialects
 from postproc.units import TICKS_PER_MM
 from tests.reference.evaluate import residual
 from tests.reference.machine import Machine as Reference
+from tests.small_machines import write_mill
 
 UM = 1e-3  # mm
 MACHINE = """format = "gcomp-machine/1"
@@ -273,12 +274,14 @@ def test_of_places_that_are_as_good_as_one_a_cut_is_made_at_one():
 
 def test_the_tolerance_is_shared_out(tmp_path):
     """An eighth is left to the approach; of the rest two corrected axes may miss by a part of
-    sqrt 2 each, and in the plane of an arc by all of it, since both lie there."""
+    sqrt 2 each, and in the plane of an arc by all of it, since both lie there. Of three, two do."""
     m = read_machine(machine(tmp_path / "m", KINK.replace("Z", "X"), KINK, step=0.000001))
     shares = Settings(m, Options(tolerance=0.008))
     assert shares.slack == pytest.approx(0.001, rel=1e-4)
     assert shares.chord == pytest.approx(0.007 / math.sqrt(2), rel=1e-4)
     assert shares.plane == pytest.approx(0.007, rel=1e-4)
+    three = Settings(read_machine(write_mill(tmp_path / "mill", two_way=False)))
+    assert three.plane == pytest.approx(three.chord * math.sqrt(2))
 
 
 def test_ends_of_motions_are_those_of_the_program_to_the_bit():
