@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from postproc.compensate import Options, nodes
+from postproc.compensate import Options, cut, nodes
 from postproc.compensate.columns import Columns
 from postproc.compensate.settings import Settings
 from postproc.filter import Filter, setup_of
@@ -295,3 +295,19 @@ def test_ends_of_motions_are_those_of_the_program_to_the_bit():
     assert (found[:, ::3] == start / TICKS_PER_MM).all()
     assert (found[:, 2::3] == target / TICKS_PER_MM).all()
     assert found[:, 1::3] * TICKS_PER_MM == pytest.approx(start + (target - start) * 0.3)
+
+
+def test_a_cut_that_comes_to_an_end_of_its_stroke_is_none(monkeypatch):
+    """Cuts lie on whole increments of the axis that turns, here of 1 over 4: at 0.1, 0.3 and 0.9
+    of the way these are 0, 1 and 4. Two that come to the same place are one."""
+    monkeypatch.setattr(cut, "_along", lambda b, chosen, owner, t: t)
+    b = SimpleNamespace(
+        machine=SimpleNamespace(turning=(0,)),
+        begin_nominal=np.zeros((1, 1)),
+        end_nominal=np.full((1, 1), 4.0),
+        motion=np.zeros(1, int),
+        m=SimpleNamespace(grid=np.full((1, 1), TICKS_PER_MM)),
+    )
+    t = np.array([0.1, 0.2, 0.3, 0.7, 0.9])
+    owner, at, _ = cut._on_increments(b, np.zeros(1, int), np.zeros(5, int), t)
+    assert at.tolist() == [0.25, 0.75] and owner.tolist() == [0, 0]
