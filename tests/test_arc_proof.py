@@ -11,12 +11,13 @@ from __future__ import annotations
 import sys
 from itertools import islice
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from test_arc_words import ZERO, random_arcs
 
-from postproc.compensate import Options, fit
+from postproc.compensate import Options, fit, stretches
 from postproc.compensate.arcs import direction, height, points
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
@@ -137,3 +138,32 @@ def test_a_smooth_map_asks_for_two_pieces_an_arc(tmp_path):
     arcs = sum(line.startswith((b"G2 ", b"G3 ")) for line in text.encode().splitlines())
     assert arcs == 200
     assert out.count(b"\n") - text.count("\n") <= arcs
+
+
+@pytest.mark.parametrize("sweep", [4.0, -4.0])
+@pytest.mark.parametrize("role", [0, 1])
+def test_nodes_lie_where_the_command_passes_them(role, sweep):
+    """The circle's place there, with the share of the shift that has come by then, is the node; as
+    many are found as a thousand steps pass."""
+    centre, t0, t1, shift = np.array([10.0, 20.0]), 0.2, 0.9, (0.3, -1.5)
+    node = centre[role] + np.arange(-47.0, 48.0, 5.0)
+    n = len(node)
+    f = SimpleNamespace(
+        arcs=SimpleNamespace(
+            centre=centre[:, None],
+            radius=np.array([50.0]),
+            sweep=np.array([sweep]),
+            angle=np.array([0.3]),
+        )
+    )
+    rows = SimpleNamespace(arc=np.zeros(n, int), t0=np.full(n, t0), t1=np.full(n, t1))
+
+    def command(t):
+        turned = (np.cos, np.sin)[role](0.3 + sweep * t)
+        return centre[role] + 50 * turned + np.interp(t, [t0, t1], shift)
+
+    found = stretches._on_circle(f, rows, np.arange(n), node, role, np.outer(shift, np.ones(n)))
+    assert command(found[1]) == pytest.approx(node[found[0]], abs=1e-3)
+    course = command(np.linspace(t0, t1, 1000))
+    passed = np.diff(course[:, None] > node, axis=0).sum(axis=0)
+    assert np.bincount(found[0], minlength=n).tolist() == passed.tolist() and passed.sum() > 9

@@ -8,6 +8,7 @@ import re
 import pytest
 
 from postproc import intake
+from postproc.errors import ProgramError
 from tests.test_printers import filtered, refused, written
 
 HEAD = "G90\nG0 X10. Y10. Z5.\n"
@@ -110,3 +111,16 @@ def test_behind_the_end_of_a_program_a_line_may_have_any_length():
     ended, _ = filtered(HEAD + "M2\n", "linuxcnc")
     assert ended.feed(tail.encode()) + ended.finish() == tail.encode()
     assert "a line of more than 1,000,000 characters" in refused(HEAD + tail, "linuxcnc").message
+
+
+def test_a_line_may_have_a_million_characters_and_no_more():
+    """With a line end behind it or none yet: a pipe that never ends a line is refused while it is
+    read, and memory stays flat."""
+    longest = "(" + "x" * (intake.LINE - 2) + ")"
+    assert written(HEAD + longest + "\n", "linuxcnc")[-1] == longest
+    too_long = f"a line of more than {intake.LINE:,} characters"
+    assert too_long in refused("(" + longest + "\n", "linuxcnc").message
+    pipe, _ = filtered(HEAD, "linuxcnc")
+    assert pipe.feed(longest.encode()) == b""
+    with pytest.raises(ProgramError, match=too_long):
+        pipe.feed(b"x")

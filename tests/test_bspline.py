@@ -3,6 +3,8 @@ and weights are, stays within the tolerance of the curve that was programmed."""
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline
@@ -402,3 +404,22 @@ def test_a_cycle_behind_a_spline_leaves_its_code_in_force():
     """The control's motion code is modal: it was written as G1000 behind the cycle."""
     lines = plain("siemens", "G90 G17 G1 X1 Y1 Z20 F9|BSPLINE X2 Y2|CYCLE81(10,0,2,-5)|X3 Y3|G1 X9")
     assert lines[-4:] == ["G0 Z10.", "BSPLINE", "X3 Y3", "G1 X9"], lines
+
+
+@pytest.mark.parametrize("first, side", [(0, -1.0), (1, 1.0), (2, 0.5)])
+def test_a_spline_begins_on_the_side_of_what_was_before_it(first, side):
+    """The stroke before it, or the last one of the batch before."""
+    ends = np.arange(4.0)[None]
+    b = SimpleNamespace(
+        carry=SimpleNamespace(sides=SimpleNamespace(side=np.array([-1]))),
+        weight_end=np.array([[1.0, 0.5, -0.5, -1.0]]),
+        begin_nominal=ends - 1,
+        end_nominal=ends,
+        begin=(ends - 1) * TICKS_PER_MM,
+        end=ends * TICKS_PER_MM,
+        motion=np.arange(4),
+        m=SimpleNamespace(spaced=np.ones(4, bool)),
+    )
+    course = splines._joined(b, first, 4, None)
+    assert course.side[0].tolist() == [side, *b.weight_end[0, first:]]
+    assert course.wanted[0].tolist() == course.written[0].tolist() == [*range(first - 1, 4)]

@@ -5,17 +5,22 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from postproc.compensate import Options, nodes
+from postproc.compensate import Options, cut, nodes
+from postproc.compensate.columns import Columns
+from postproc.compensate.settings import Settings
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.machine.tables import MANY, AxisTable
 from postproc.nc import dialects
+from postproc.units import TICKS_PER_MM
 from tests.reference.evaluate import residual
 from tests.reference.machine import Machine as Reference
+from tests.small_machines import write_mill
 
 UM = 1e-3  # mm
 MACHINE = """format = "gcomp-machine/1"
@@ -265,3 +270,44 @@ def test_of_places_that_are_as_good_as_one_a_cut_is_made_at_one():
     assert [(int(owner[k]), float(t[k])) for k in order] == [
         (0, 0.0), (0, 0.5), (0, 1.0), (1, 0.0), (1, 1.0),
     ]  # fmt: skip
+
+
+def test_the_tolerance_is_shared_out(tmp_path):
+    """An eighth is left to the approach; of the rest two corrected axes may miss by a part of
+    sqrt 2 each, and in the plane of an arc by all of it, since both lie there. Of three, two do."""
+    m = read_machine(machine(tmp_path / "m", KINK.replace("Z", "X"), KINK, step=0.000001))
+    shares = Settings(m, Options(tolerance=0.008))
+    assert shares.slack == pytest.approx(0.001, rel=1e-4)
+    assert shares.chord == pytest.approx(0.007 / math.sqrt(2), rel=1e-4)
+    assert shares.plane == pytest.approx(0.007, rel=1e-4)
+    three = Settings(read_machine(write_mill(tmp_path / "mill", two_way=False)))
+    assert three.plane == pytest.approx(three.chord * math.sqrt(2))
+
+
+def test_ends_of_motions_are_those_of_the_program_to_the_bit():
+    """Also where other places are asked for beside them: a batch may end anywhere."""
+    rng = np.random.default_rng(1)
+    start, target = rng.integers(-(10**13), 10**13, (2, 3, 1000))
+    m = SimpleNamespace(start=start, target=target)
+    b = SimpleNamespace(m=m, arc_of=np.full(1000, -1))
+    motion, t = np.repeat(np.arange(1000), 3), np.tile([0.0, 0.3, 1.0], 1000)
+    found = Columns.nominal(b, motion, t)
+    assert (found[:, ::3] == start / TICKS_PER_MM).all()
+    assert (found[:, 2::3] == target / TICKS_PER_MM).all()
+    assert found[:, 1::3] * TICKS_PER_MM == pytest.approx(start + (target - start) * 0.3)
+
+
+def test_a_cut_that_comes_to_an_end_of_its_stroke_is_none(monkeypatch):
+    """Cuts lie on whole increments of the axis that turns, here of 1 over 4: at 0.1, 0.3 and 0.9
+    of the way these are 0, 1 and 4. Two that come to the same place are one."""
+    monkeypatch.setattr(cut, "_along", lambda b, chosen, owner, t: t)
+    b = SimpleNamespace(
+        machine=SimpleNamespace(turning=(0,)),
+        begin_nominal=np.zeros((1, 1)),
+        end_nominal=np.full((1, 1), 4.0),
+        motion=np.zeros(1, int),
+        m=SimpleNamespace(grid=np.full((1, 1), TICKS_PER_MM)),
+    )
+    t = np.array([0.1, 0.2, 0.3, 0.7, 0.9])
+    owner, at, _ = cut._on_increments(b, np.zeros(1, int), np.zeros(5, int), t)
+    assert at.tolist() == [0.25, 0.75] and owner.tolist() == [0, 0]

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from postproc import cli
-from postproc.machine import places
+from postproc.machine import overshoot, places
 from postproc.machine.lacks import lacks, sentence
+from postproc.units import UM
 
 
 def test_the_shipped_machines():
@@ -63,3 +65,28 @@ def test_a_machine_that_nobody_measured_yet_lacks_everything(tmp_path):
     found = lacks(places.load(str(tmp_path / "m")))
     assert "60.0, 60.0, 40.0 um" in found[0]
     assert found[1] == "all of X, all of Y, all of Z: never measured"
+
+
+def test_a_squareness_is_told_over_the_whole_travel():
+    """A mill whose axes go from -100 to 300 mm: 100 urad over 400 mm are 40 um."""
+    mill = places.load("example-mill")
+    axes = {x: replace(a, travel=(-100.0, 300.0)) for x, a in mill.axes.items()}
+    found = lacks(replace(mill, axes=axes, square_stated=("C0Y", "B0Z")))
+    assert "squareness of YZ, not measured: 100 urad would be 40.0 um" in found[0]
+
+
+def test_targets_without_lost_motion_are_not_below_zero():
+    said = overshoot.sentence("EXX", np.array([-5.0, -4.0, 0.0, np.nan, -6.0]) * UM)
+    assert "-6.0 to +0.0 um, -4.5 in the median, below zero at 3 of 4 targets" in said
+
+
+def test_what_holds_no_machine_is_no_machine(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    own = tmp_path / "gcomp" / "machines"
+    (own / "notes").mkdir(parents=True)
+    (own / "mine").mkdir()
+    (own / "mine" / "machine.toml").touch()
+    (own / "perfect.txt").touch()
+    found = places.every()
+    assert "mine" in found and "perfect" in found
+    assert not {"notes", "perfect.txt", "README.md"} & set(found)

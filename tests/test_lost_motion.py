@@ -6,17 +6,20 @@ from __future__ import annotations
 import re
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from postproc.compensate import Options
+from postproc.compensate import Options, sides, turning
 from postproc.compensate.approach import FAR, Sides, bear, initial, scan
 from postproc.compensate.turning import _pivots
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
+from postproc.machine.tip import TipMachine
 from postproc.nc import dialects
 from postproc.units import TICKS_PER_MM, UM
 from postproc.verify import Verifier
@@ -122,6 +125,47 @@ def test_turning_places_are_those_behind_which_it_turns_back_far_enough():
     assert _pivots([0, 1, -4], 0, 3.0) == [], "it has not gone up before by half as much"
 
 
+def test_the_side_of_a_stroke_by_itself_is_that_of_its_last_turn():
+    """A play of 4: out of the middle by 10, but it stays; within the play; out and back, of which
+    the way out counts where a begin is told; and where the side is given."""
+    course = SimpleNamespace(
+        band=np.array([4]),
+        begin=np.array([[sides.NOWHERE] * 3 + [10, sides.NOWHERE, sides.NOWHERE]], np.int64),
+        end=np.array([[10, 10, 1, 7, -10, 10]]),
+        stays=np.array([[False, True, False, False, False, False]]),
+        given=np.array([[False] * 5 + [True]]),
+        sense=np.array([[0, 0, 0, 0, 0, -1]]),
+    )
+    before, middle = np.full((1, 6), -1), np.zeros((1, 6), np.int64)
+    before[0, 4] = 1
+    found = sides.Course.once(course, np.arange(6), before, middle)
+    assert found.tolist() == [[1, -1, -1, 1, -1, -1]]
+
+
+def test_a_slide_behind_the_tip_has_no_side_where_it_came_from_nowhere(monkeypatch):
+    """Nor where its stroke ends nowhere, nor behind a jump."""
+    monkeypatch.setattr(sides, "commands", lambda b, at, t, nominal, weight: nominal)
+    machine = Mock(spec=TipMachine)
+    machine.slides, machine.two_way = (lambda place: place), np.array([True])
+    ends = np.arange(10.0, 70.0, 10.0)[None]
+    b = SimpleNamespace(
+        machine=machine,
+        known=np.array([True, False, True, True, True, True]),
+        known_before=np.array([True, True, False, True, True, True]),
+        jumps=np.array([[False] * 4 + [True, False]]),
+        motion=np.arange(6),
+        travel=np.zeros((1, 6), np.int64),
+        begin_nominal=ends - 10,
+        end_nominal=ends,
+        t1=np.ones(6),
+        c=SimpleNamespace(band=np.array([4])),
+        carry=SimpleNamespace(sides=initial(1)),
+    )
+    side, after = sides.of_slides(b)
+    assert side.tolist() == [[1, 0, 0, 1, 0, 1]]
+    assert after.side.tolist() == [1] and after.begun.all()
+
+
 # -- by hand ---------------------------------------------------------------------------------------
 
 LEANING = "G21 G90\nG0 X0 Y0 Z5\nG1 Z-1 F300\nG1 X100 F800\nG1 X20\nG1 Y100\nM2\n"
@@ -152,6 +196,28 @@ def test_what_turns_back_within_the_hysteresis_is_held(tmp_path):
     assert verifier.corrected.slide < 0.2 * UM
 
 
+def test_a_resting_slide_is_looked_at_along_all_of_an_arc(tmp_path, monkeypatch):
+    """At equal parts, both ends of the arc among them: Z follows the straightness of X, and may
+    turn anywhere."""
+    looks, on_arcs = [], turning._on_arcs
+
+    def seen(b, chosen, most, least):
+        looks.append((chosen, *on_arcs(b, chosen, most, least)))
+        return looks[-1][1:]
+
+    monkeypatch.setattr(turning, "_on_arcs", seen)
+    table = "X_mm,EZX_um\n-400,0\n0,0\n50,-8\n100,0\n400,0\n"
+    m = machine(tmp_path / "m", backlash("Z", 12.0), X=table)
+    corrected(m, "G17 G0 X0 Y0 Z0\nG1 Z-1 F500\nG2 X100 I50\nG3 X50 Y50 J50\nM2\n")
+    arcs = [
+        (t[owner == k], place[:, owner == k]) for found, owner, t, place in looks for k in found
+    ]
+    assert len(arcs) == 2
+    for (t, place), end in zip(arcs, ([100, 0, -1], [50, 50, -1]), strict=True):
+        assert 9 <= len(t) <= 65 and (t == np.linspace(0, 1, len(t))).all()
+        assert place[:3, -1] == pytest.approx(end)
+
+
 def test_a_small_take_up_is_left_out_where_the_tolerance_allows(tmp_path):
     """An eighth of 5 um is kept for what follows, and three axes share the rest: 2.53 um each."""
     m = machine(tmp_path / "m", backlash("X", 2.4))
@@ -171,11 +237,6 @@ def test_a_block_that_goes_nowhere_turns_nothing(tmp_path):
     m = machine(
         tmp_path / "m", "[squareness]\nC0Y = 400\n" + backlash("X", 40.0) + backlash("Y", 40.0)
     )
-    once, twice = (
-        corrected(m, f"G0 X0 Y0\nG1 X50 F500\nX20\nY30\n{'X20 Y30' + chr(10)}" * n)[0]
-        for n in (1, 1)
-    )
-    assert once == twice
     text = "G0 X0 Y0\nG1 X50 F500\nX20\nY30\n"
     assert len(corrected(m, text + "X20 Y30\n" * 3)[0]) == len(corrected(m, text)[0]) + 3
 

@@ -10,7 +10,11 @@ import numpy as np
 import pytest
 from pytest import approx
 
+from postproc.machine.axis import Axis
+from postproc.machine.chain import parse
 from postproc.machine.file import read_machine
+from postproc.machine.model import Machine
+from postproc.machine.tables import AxisTable
 from postproc.units import UM
 from tests.machine_folders import TOML, correct, folder, swap
 
@@ -170,3 +174,18 @@ def test_a_reversal_is_the_difference_of_the_two_ways(tmp_path):
     ]
     assert 99.997 in ends
     assert ends[-1] == 100.0
+
+
+@pytest.mark.parametrize("direction", [0, 1, 2])
+def test_what_counts_along_one_direction_is_what_all_components_give_there(direction):
+    """A shift along it and the two rotations about the other axes: the third moves nothing that
+    way."""
+    rng = np.random.default_rng(2)
+    axes = {
+        x: Axis(x, (0.0, 100.0), 1e-4, np.zeros(3), AxisTable(x, np.linspace(0, 100, 5), *both))
+        for x, both in zip("XYZ", rng.normal(0, 1e-3, (3, 2, 6, 5)), strict=True)
+    }
+    m = Machine("m", "", "", parse("w-X-Y-b-Z-t"), axes, square={}, tool=np.array([7.0, 8.0, 9.0]))
+    q, way = rng.uniform(0, 100, (3, 50)), rng.choice([-1.0, 0.0, 1.0], (3, 50))
+    every, alone = m.deviation(q, way), m.deviation(q, way, direction)
+    assert alone[direction] == approx(every[direction], rel=1e-12)

@@ -9,6 +9,8 @@ import pytest
 
 from postproc.cli import main
 from postproc.errors import ProgramError
+from postproc.machine import places
+from postproc.machine.poses import Poses
 from tests.reference.tool_point import CHAINS, TURN, Truth, random_truth
 from tests.test_tool_point import LENGTH, TOLERANCE, corrected, load, plain, words
 
@@ -422,3 +424,18 @@ def test_planes_stay_where_programs_are_written_out(tmp_path, capfdbinary):
     assert out["fanuc-mill"].count("G69") == 1
     assert "J30" in out["fanuc-mill"].split("G68.2")[1].split("\n")[0]
     assert 'CYCLE800(0,"T",0,57,,,,30,,0,,,,1)' in out["siemens"]
+
+
+@pytest.mark.parametrize(
+    "at, turned",
+    [(0.0, [(-90, -45), (90, 45), (270, -45)]), (300.0, [(270, -45), (450, 45), (90, 45)])],
+)
+def test_the_shortest_way_of_the_axis_nearest_to_the_part_comes_first(at, turned):
+    """X + Z of the part upright: A at 45 with C at 90, or A at -45 with C at -90, and whole turns.
+    From C300 the ways of C are 30, 150 and 210; from C0 two are as long, and A's decide nothing."""
+    five = places.load("example-five-axis")
+    position = np.zeros(5)
+    position[five.letters.index("C")] = at
+    found = Poses(five).aligned(np.array([1.0, 0.0, 1.0]) / np.sqrt(2), position)
+    c, a = (five.letters.index(x) for x in "CA")
+    assert [(round(p[c], 6), round(p[a], 6)) for p in found[:3]] == turned

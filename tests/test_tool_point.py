@@ -4,16 +4,21 @@ err in every component."""
 from __future__ import annotations
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from postproc.cli import main
-from postproc.compensate import Options
+from postproc.compensate import Options, turning
 from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine import places
+from postproc.machine.seen import seen_in
+from postproc.machine.tip import TipMachine
+from postproc.motions import FEED, FREE
 from postproc.nc import dialects
+from postproc.spaces import Space
 from postproc.verify import Verifier
 from tests.reference import tool_point
 from tests.reference.tool_point import CHAINS, Truth, random_program, random_truth
@@ -471,3 +476,43 @@ def test_function_tcpm_is_m128(call):
     )
     assert new.replace(call, "M128").replace("FUNCTION RESET TCPM", "M129") == old
     assert verifier.passed and verifier.uncorrected.deviation > 0.005
+
+
+class Sliding(TipMachine):
+    """One slide, two-way, whose place is told at each t of a motion."""
+
+    two_way, turning = np.array([True]), ()
+
+    def __init__(self, course):
+        object.__setattr__(self, "slides", course)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("turns", [0.03, 0.37, 0.5])
+def test_a_slide_turns_at_the_vertex_of_its_parabola(way, turns):
+    """Found by three of 17 places, to the last digits. To and fro by less than the hysteresis is
+    no turn."""
+    one = np.zeros(1)
+    for size, found in ((1.0, [turns]), (0.0001, [])):
+        b = SimpleNamespace(
+            machine=Sliding(lambda place: way * size * (place - turns) ** 2),
+            m=SimpleNamespace(code=one + FEED, cutter=one + FREE),
+            free=one == 0,
+            start_known=one == 0,
+            c=SimpleNamespace(hysteresis=0.0005),
+            nominal=lambda motion, t: t[None],
+        )
+        motion, t = map(np.concatenate, zip(*turning._of_slides(b)))
+        assert t == pytest.approx(found, abs=1e-12) and not motion.any()
+
+
+def test_in_a_space_no_axis_has_errors_of_its_own():
+    """They are those of the slides behind it, which the machine with that tool has."""
+    five = places.load("example-five-axis")
+    found = seen_in(five, np.zeros(5), Space(), False)
+    assert {(x, a.travel) for x, a in found.axes.items()} == {
+        *((x, (-np.inf, np.inf)) for x in "XYZ"),
+        *((x, five.axes[x].travel) for x in "AC"),
+    }
+    assert not any(a.table or a.grids or a.location.any() for a in found.axes.values())
+    assert found.square == {} and found.effects == () and found.base.square == five.square

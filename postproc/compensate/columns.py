@@ -100,7 +100,7 @@ class Columns:
                 return in_mm(column.take(motion, axis=1))
         start = in_mm(m.start.take(motion, axis=1))
         target = in_mm(m.target.take(motion, axis=1))
-        result = np.where(t == 1.0, target, np.where(t == 0.0, start, start + (target - start) * t))
+        result = np.where(t == 1.0, target, start + (target - start) * t)
         on_arc = (self.arc_of[motion] >= 0) & (t > 0) & (t < 1)
         if on_arc.any():
             result[:, on_arc] = points(

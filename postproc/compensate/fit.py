@@ -124,8 +124,8 @@ class Cutting:
         """Take both halves of a row where both will do. Of the others: the longest first run that
         is known to do, the samples (R,) that it reaches and that it does not, and how much too
         far from the path (R,) a run to there is, 0: not known."""
-        s, low, last, n = self.samples, self.low, self.samples.last, len(self.rows)
-        half = s.until(low + 1, last - 1, (s.t[low] + self.rows.t1) / 2)
+        low, last, n = self.low, self.samples.last, len(self.rows)
+        half = (low + last) // 2
         every = np.arange(n)
         good, proof = self.tried(
             np.concatenate([low, half]),

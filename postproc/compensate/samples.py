@@ -140,11 +140,8 @@ def _samples(
     nominal = each(target - start)
     nominal *= t
     nominal += each(start)
-    begun, over = rows.t0 == 0.0, rows.t1 == 1.0
-    for k, axis in enumerate((first, second)):  # ends stay as programmed, to the bit
+    for k, axis in enumerate((first, second)):
         nominal[axis] = centre[k] + radius * unit[k]
-        nominal[axis, begin[begun]] = start[axis, begun]
-        nominal[axis, last[over]] = target[axis, over]
     rest = way.rest[which]
     if plain:
         exact, miss = _commands(f, rows, t, nominal, way.shift.take(which, axis=-1), row)

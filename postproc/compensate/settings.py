@@ -129,7 +129,7 @@ class Settings:
         inner = max(self.tolerance - beyond, self.tolerance / 2) - kept
         self.slack = inner / 8
         self.chord = (inner - self.slack) / np.sqrt(n)
-        self.plane = (inner - self.slack) * (1.0 if n == 2 else np.sqrt(2 / n))
+        self.plane = (inner - self.slack) * np.sqrt(2 / n)
         self.hold, self.inner = self.chord / 2, inner
         self.hysteresis = (
             machine.limits.hysteresis if options.hysteresis is None else options.hysteresis

@@ -156,8 +156,7 @@ def _grown_by(
     """Nodes mm, and mm per K of the k-th thermometer: the integral of its share from the fixed
     point on."""
     low, high = axis.travel
-    inner = places[(places > low) & (places < high)]
-    nodes = np.unique(np.concatenate([np.linspace(low, high, PARTS + 1), inner]))
+    nodes = np.unique(np.concatenate([np.linspace(low, high, PARTS + 1), places.clip(low, high)]))
     share = np.eye(len(places))[k]
     edges = np.unique(np.concatenate([nodes, places, [growth.fixed]]))
     value = np.interp(edges, places, share)  # a straight line between edges: the trapezium is exact

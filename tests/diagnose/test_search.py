@@ -13,8 +13,9 @@ import pytest
 from postproc.diagnose import search as search_module
 from postproc.diagnose import shapes
 from postproc.diagnose.block import Block
+from postproc.diagnose.library import FOUND
 from postproc.diagnose.search import Search
-from postproc.diagnose.sets import Found
+from postproc.diagnose.sets import Found, Sets, _terms
 from postproc.effects import UM, load
 
 FRICTION, LAG = 0, 1
@@ -224,3 +225,63 @@ def test_a_member_must_be_worth_more_than_noise_reaches_in_one_of_a_hundred(
     search = Search(cast(Any, sets))
     search.calibrate(np.random.default_rng(1))
     assert search.least == pytest.approx(least, abs=0.5)
+
+
+def test_a_member_is_worth_what_the_set_loses_without_it():
+    sets = Scored({(LAG,): 200.0}, set())
+    assert Sets.worth(cast(Any, sets), found((FRICTION, LAG), 301.0), FRICTION) == 101.0
+
+
+@pytest.mark.parametrize("borne_out", [True, False])
+def test_a_jump_has_to_be_borne_out_and_nothing_else(monkeypatch, borne_out):
+    monkeypatch.setattr(search_module.abrupt, "borne_out", lambda *_: borne_out)
+    blocks = [SimpleNamespace(name=name) for name in (search_module.abrupt.NAME, "backlash")]
+    search = Search(cast(Any, SimpleNamespace(blocks=blocks, fits=lambda fit, k: True)))
+    assert [search._fits(found((k,), 1.0), k) for k in (0, 1)] == [borne_out, True]
+
+
+@pytest.mark.parametrize(
+    "formed, other, exact",
+    [(80.0, 60.0, True), (95.0, 60.0, False), (80.0, 95.0, False)],
+)
+def test_a_set_says_it_all_where_neither_terms_of_form_nor_another_set_come_near(
+    formed, other, exact
+):
+    """100 at its own form; within 8 of it nothing may come: not the same with terms for an error
+    of form, not the terms of another set."""
+    worth = {(0,): 100.0, (0, 8): formed, (1,): 50.0, (1, 9): other}
+    states = []
+    for members, chosen in (((0,), (0, 8)), ((1,), (1, 9))):
+        fit = cast(Any, SimpleNamespace(on=frozenset(), chosen=chosen))
+        states.append(Found(fit, 0.0, np.zeros(1), members))
+    sets = SimpleNamespace(
+        at_own_form=lambda state: state,
+        evidence=SimpleNamespace(learn=lambda chosen, *_: chosen),
+        worth_of=worth.__getitem__,
+        fits=lambda fit, k: True,
+    )
+    assert Search(cast(Any, sets))._exact(states) is (states[0] if exact else None)
+
+
+@pytest.mark.parametrize("wave", [False, True])
+def test_terms_by_which_a_form_may_be_wrong(wave):
+    """By the place, at most 1.2 times; by the time; a sample later in the same motion, where it is
+    no wave; while it builds up after a turn, before which there is none."""
+    part = np.array([2.0, 2.0, 4.0, 7.0])
+    since = np.array([9.0, 0.0, 0.05, 0.1])
+    rows = SimpleNamespace(
+        signal=np.zeros(4),
+        state=SimpleNamespace(
+            position={"X": None},
+            share=lambda x: np.array([-2.0, -0.5, 0.5, 2.0]),
+            time=np.array([10.0, 11.0, 12.0, 14.0]),
+            since={"X": since},
+            passage=np.array([-1, 0, 0, 0]),
+        ),
+    )
+    module = load(next(iter(FOUND)) if wave else "backlash")
+    block = Block(module, "X", (), lambda: part[:, None] / 2)
+    after = [[0.0, *(5 * part * np.exp(-since / tau))[1:]] for tau in (0.01, 0.05, 0.2)]
+    later = [] if wave else [[0.0, 0.0, 2.0, 3.0]]
+    by_hand = [[-2.4, -1.0, 2.0, 8.4], [-2.0, -1.0, 0.0, 7.0], *later, *after]
+    assert _terms(cast(Any, rows), block, np.array([2.0])).T == pytest.approx(np.array(by_hand))

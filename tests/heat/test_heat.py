@@ -241,6 +241,21 @@ def test_two_thermometers_are_the_integral_of_a_line(tmp_path):
     )
 
 
+@pytest.mark.parametrize("first", [-90.0, 0.0])
+def test_growth_is_exact_at_a_thermometer(tmp_path, first):
+    """By hand where the middle of three, at 137, is 100 K warmer than the others: a share of (100 -
+    first) / (137 - first) of that at the fixed point 100, and the mean of both over 37 mm.
+    Thermometers beyond the travel are no nodes."""
+    places = f"T_front_C = {first}, T_middle_C = 137.0, T_rear_C = 900.0"
+    m = read_machine(machine(tmp_path, f", sensors = {{ {places} }}"))
+    found, _, _ = growth.drivers(m, ["T_front_C", "T_middle_C", "T_rear_C"], spindles=False)
+    assert {(d.nodes[0], d.nodes[-1]) for d in found} == {(-10.0, 610.0)}
+    warm = growth.grown(growth.following(m, found), found, np.array([0.0, 100.0, 0.0]))
+    by_hand = 10e-6 * (100 * (100 - first) / (137 - first) + 100) / 2 * 37
+    grown = warm.deviation(np.array([[137.0], [0.0], [0.0]]), np.zeros((3, 1)))[0]
+    assert grown == pytest.approx([by_hand], rel=1e-9)
+
+
 def test_a_spindle_warms_as_the_effect_says():
     """The same turns, told to `spindle_growth` as a recording and to the clock motion by motion."""
     module = effects.load("spindle_growth")

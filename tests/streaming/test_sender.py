@@ -87,7 +87,7 @@ def test_A5_on_error_continue_goes_to_the_end_and_is_no_success():
     run(sender, model, lines_of(text))
     assert (sender.outcome.kind, len(sender.outcome.rejected)) == ("error", 2)
     assert "source line 31" in sender.outcome.message and model.place[0] == 40
-    assert len(model.received) == 41
+    assert len(model.received) == sender.tally.answered == 41
 
 
 def test_A8_hold_resume_loses_and_doubles_nothing():
@@ -273,6 +273,17 @@ def test_A17_the_log_gives_back_what_was_sent():
     assert b"\n".join(line.text for line in sent).decode() == text
     assert sent == answered
     assert any(isinstance(what, Status) for _, what, _ in sender.log)
+
+
+def test_the_log_has_every_line_with_its_answer_and_what_the_controller_says():
+    sender = new_sender(GrblModel())
+    lines = lines_of("G21\nG77\nG90")
+    sender.give(lines)
+    sender.tick(0.0)
+    sender.receive(b"ok\r\nerror:20\r\n[MSG:Check Door]\r\n", 0.5)
+    assert sender.log[:3] == [("sent", line, 0.0) for line in lines]
+    assert sender.log[3:5] == [("answered", lines[0], 0.5), ("rejected", lines[1], 0.5)]
+    assert [what for what, text, _ in sender.log[5:] if "Check Door" in str(text)] == ["told"]
 
 
 @pytest.mark.parametrize(("counting", "least"), [(True, 0.95), (False, 0.80)])
