@@ -10,14 +10,14 @@ import numpy as np
 from postproc.diagnose import intervals, shapes, shared_jump, unrecorded
 from postproc.diagnose.answer import Finding
 from postproc.diagnose.block import Block
+from postproc.diagnose.prior import rarity
 from postproc.diagnose.rows import Rows
-from postproc.diagnose.search import Search
-from postproc.diagnose.sets import FORMS, MATERIAL, Found, Sets
+from postproc.diagnose.search import NAMES, Search
+from postproc.diagnose.sets import MATERIAL, Found, Sets
 from postproc.machine.model import Machine
 
 CYCLE_MS = 5.0  # a control's position cycle is shorter: its own log is not later
 LIKELY = 6.0  # twice ln(20): a name with a twentieth of the probability stands in the set
-SETS = 6  # names of a set
 OF_EFFECT = 0.1  # of what an effect explains, single readings may be of another form
 TELLS = 0.1  # of what is believed beforehand: a reading that tells less tells nothing
 NEEDLESS = 0.5  # of its score: what remains of it beside another name for the same
@@ -70,25 +70,13 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
         low, high = ci["period_mm"]
         ci["period_mm"] = (min(low, *periods), max(high, *periods))
     own = sets.worth(state, k)
-    children = sorted(search.children(rest, SETS, state), key=lambda child: child.score)
-    others = {sets.blocks[c.added_to(rest)].key: c for c in children}  # the best of each name
-    enough = sets.at_own_form(state).score - LIKELY - FORMS * own
-    alike = sorted(
-        (key for key, c in others.items() if key != block.key and c.score >= enough),
-        key=lambda key: -others[key].score,
-    )
-    # What explains something else besides is no other name for this: with it this must lose most of
-    # what it is worth.
-    alike = [key for key in alike if _needless(sets, rest, others[key].added_to(rest), k, own)]
+    less = _alike(search, state, k, rest)
     contribution = block.columns @ value
-    if block.name == "servo_lag" and named["tau_ms"] > CYCLE_MS and "delay:" not in alike:
+    if block.name == "servo_lag" and named["tau_ms"] > CYCLE_MS and "delay:" not in less:
         # of a log that is late by more than a control's cycle nobody can tell
-        alike.insert(0, "delay:")
-    alike = alike + [n for n in unrecorded.names(sets.rows, block, contribution) if n not in alike]
-    less = {
-        name: max(0.0, enough + LIKELY - others[name].score) if name in others else 0.0
-        for name in alike
-    }
+        less = {"delay:": 0.0} | less
+    for name in unrecorded.names(sets.rows, block, contribution):
+        less.setdefault(name, 0.0)
     power, along = sets.evidence.beside(state.fit, block.columns, but=k)
     fall = float(along @ np.linalg.pinv(power, rcond=1e-9, hermitian=True) @ along)
     return Finding(
@@ -98,16 +86,35 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
         contribution,
         own,
         fall,
-        alike,
+        list(less),
         names=probable(block.key, less),
         aliases=periods,
     )
 
 
+def _alike(search: Search, state: Found, k: int, rest: Found) -> dict[str, float]:
+    """Other names for a member, the likeliest first: by how much less each is believed. Of what
+    says the same a reading parts none, but one may be seldomer."""
+    sets, block = search.sets, search.sets.blocks[k]
+    best, own = sets.at_own_form(state).score, sets.worth(state, k)
+    children = sorted(search.children(rest, NAMES, state), key=lambda child: child.score)
+    others = {sets.blocks[c.added_to(rest)].key: c for c in children}  # the best of each name
+    others.pop(block.key, None)
+    result = {}
+    for key, child in sorted(others.items(), key=lambda item: -item[1].score):
+        other = child.added_to(rest)
+        same = search.says_the_same(state, child)
+        # What explains something else besides is no other name for this: with it this must lose
+        # most of what it is worth.
+        if (same or child.score > best - LIKELY) and _needless(sets, rest, other, k, own):
+            rarer = rarity(sets.blocks[other]) - rarity(block)
+            result[key] = max(0.0, rarer if same else best - child.score)
+    return result
+
+
 def probable(own: str, less: dict[str, float]) -> dict[str, float]:
-    """Names to probabilities. less: by how much less each other name's score is, beyond what errors
-    of form may make of it; a score is twice the logarithm of a probability, and what no reading
-    parts is as probable."""
+    """Names to probabilities. less: by how much less each other name is believed, twice the
+    logarithm of a probability."""
     weight = {own: 1.0} | {name: float(np.exp(-fall / 2)) for name, fall in less.items()}
     whole = sum(weight.values())
     return {name: w / whole for name, w in sorted(weight.items(), key=lambda item: -item[1])}

@@ -12,7 +12,10 @@ from postproc.diagnose.block import Block
 ODDS = 8.0  # twice ln(55): of some 60 effects and axes a machine shows one or two
 APART = 7.0  # of two axes, where each shows by itself: one of them leads, or both lag
 AGAIN = 4.0  # of a further jump of the same axis
-RARE = {  # further cost, twice the logarithm of how much seldomer it is than its kin
+# Further cost, twice the logarithm of how much seldomer it is than its kin (unverified but for the
+# order: an error of the scale, the squareness and lost motion are what ISO 230-2 and 230-4 list
+# first; what differs along the travel or with the direction is lost motion or friction, and more).
+RARE = {
     "servo_mismatch": -3.0,
     "squareness": -2.0,
     "bow": 2.0,
@@ -22,7 +25,10 @@ RARE = {  # further cost, twice the logarithm of how much seldomer it is than it
     "clock_skew": 2.0,
     "sag": 4.0,
     "stick_slip": 8.0,
-    "scale": 1.4,
+    "scale": -1.0,
+    "backlash_position": 1.0,
+    "friction_asymmetry": 3.0,
+    "windup": 1.0,
     "delay": 2.0,
 }
 
@@ -32,9 +38,13 @@ def cost_of(block: Block) -> float:
     logarithm."""
     again = AGAIN * (len(block.shape) - 1) if block.name == "step_loss" else 0.0
     further = getattr(block.module, "further_cost", None)
-    rare = RARE.get(block.name, 0.0) + (further(block.axis, dict(block.shape)) if further else 0.0)
-    rare += APART if block.apart else 0.0
-    return ODDS + 2 * math.log(block.siblings) + rare + again
+    shape = further(block.axis, dict(block.shape)) if further else 0.0
+    return rarity(block) + 2 * math.log(block.siblings) + shape + again
+
+
+def rarity(block: Block) -> float:
+    """Of its name, whatever its shape, twice the logarithm."""
+    return ODDS + RARE.get(block.name, 0.0) + (APART if block.apart else 0.0)
 
 
 def unusual(block: Block, coefficients: np.ndarray) -> int:

@@ -17,8 +17,8 @@ from postproc.diagnose import abrupt, shapes
 from postproc.diagnose.evidence import Fit, On
 from postproc.diagnose.explained import drawn, shares, wandered, white
 from postproc.diagnose.library import found
-from postproc.diagnose.prior import plausible
-from postproc.diagnose.sets import FORMS, RENEWED, Found, Key, Sets
+from postproc.diagnose.prior import plausible, rarity
+from postproc.diagnose.sets import FORM, RENEWED, Found, Key, Sets
 
 MOST = 6  # members of a set
 # sets that are kept, members that are tried beside each, and of these with shapes of their own
@@ -26,6 +26,7 @@ WIDTH, CHILDREN, POLISHED = 2, 5, 3
 EXCHANGED, ROUNDS = 3, 3  # names that are tried in the place of a member; how often
 AHEAD = 3  # members
 SEVERAL = 2  # members up to which several jumps at once are looked for
+NAMES = 6  # that may stand in the place of a member of what was found
 LOOKED_AT = 6  # sets of all that were tried that are compared at one error of form
 ALIKE = 6.0  # twice ln(20)
 CONVERGED = 12  # steps after which they stay
@@ -89,7 +90,9 @@ class Search:
             (f for f in self.sets.seen.values() if (f.members or f.fit.on) and self._free(f)),
             key=lambda f: -f.score,
         )[:LOOKED_AT]
-        return self._dropped(self._likeliest([*ends, *best]))
+        states = [*ends, *best]
+        states += [special for state in states for special in self._special(state)]
+        return self._dropped(self._commonest(self._likeliest(states), states))
 
     def _exact(self, states: list[Found]) -> Found | None:
         """The set that says it all: at the noise that it leaves none is better, and none gains by
@@ -147,32 +150,49 @@ class Search:
         alike = [
             s for w, s in found if w > most - ALIKE and len(s.members) <= size and s.fit.on == on
         ]
-        if len(alike) == 1:
-            return best
-        fits = {state.key: self._as_it_fits(state) for state in alike}
-        nothing = self._as_it_fits(self.sets.null())
+        return max(alike, key=self._as_it_fits) if len(alike) > 1 else best
 
-        def needless(state: Found, other: Found) -> bool:
-            """Whether a set says no more than its special case, but for what forms are off by."""
-            less = fits[state.key] - fits[other.key]
-            slight = less < FORMS * (fits[other.key] - nothing)
-            return state is not other and self._extends(state, other) and slight
+    def _commonest(self, best: Found, states: list[Found]) -> Found:
+        """Of the sets that say the same as the best, the one of the commonest names. Two say the
+        same where they differ by no more than textbook forms are wrong by: the evidence, which
+        takes what is left for noise, parts them by that when there are many readings."""
+        rests = [self.sets.without(best, k) for k in best.members]
+        states = [*states, *(s for rest in rests for s in self.children(rest, NAMES, best))]
+        states += self._special(best)
+        for other in sorted(states, key=self._rarity):
+            if self._rarity(other) >= self._rarity(best):
+                return best
+            fewer = len(other.members) <= len(best.members) and other.fit.on == best.fit.on
+            if fewer and self._plausible(other) and self.says_the_same(best, other):
+                return other
+        return best
 
-        plain = [s for s in alike if not any(needless(s, other) for other in alike)]
-        return max(plain, key=lambda state: fits[state.key])
+    def says_the_same(self, best: Found, other: Found) -> bool:
+        """Whether two sets differ by less than the error of form of what one explains and the other
+        does not by the same member."""
+        both = tuple(k for k in best.members if k in other.members)
+        common = self.sets.of(both, best.fit.on, best)
+        most, less, least = (self.sets.explained(state) for state in (best, other, common))
+        sigma = white(self.sets.evidence, best.fit)
+        return self.sets.shown(most - less, sigma) < FORM * self.sets.shown(most - least, sigma)
 
-    def _extends(self, state: Found, other: Found) -> bool:
-        """Whether a set is another one but for members of which that holds special cases."""
+    def _rarity(self, state: Found) -> float:
+        return sum(rarity(self.sets.blocks[k]) for k in state.members)
 
-        def told(one: Found) -> tuple[list[tuple[str, str]], int]:
-            """Special cases and axes, and how many are there in the general form."""
-            blocks = [self.sets.blocks[k] for k in one.members]
-            special = [getattr(b.module, "EXTENDS", b.name) for b in blocks]
-            names = sorted(zip(special, (b.axis for b in blocks), strict=True))
-            return names, sum(b.name != name for b, name in zip(blocks, special, strict=True))
-
-        (own, general), (others, less) = told(state), told(other)
-        return own == others and general > less
+    def _special(self, state: Found) -> list[Found]:
+        """The sets with the special case in the place of a general form; without what else has the
+        name of that, and with its shape refined."""
+        found = []
+        for k in state.members:
+            case = self.sets.special(k)
+            if case == k:
+                continue
+            key = self.sets.blocks[case].key
+            rest = tuple(m for m in state.members if m != k and self.sets.blocks[m].key != key)
+            on, least = state.fit.on, state.least
+            case = self._polish(self.sets.evidence.learn(rest, state.fit, on, 0, least), case)
+            found.append(self.sets.of((*rest, case), on, state))
+        return found
 
     def _as_it_fits(self, state: Found) -> float:
         """What a set is worth without errors of form, its sizes learned to the end: scores on the

@@ -14,6 +14,8 @@ from itertools import islice
 
 import numpy as np
 
+from postproc import effects
+from postproc.diagnose import library
 from postproc.diagnose.block import Block
 from postproc.diagnose.evidence import QUIETEST, Evidence, Fit, On
 from postproc.diagnose.explained import wandered
@@ -24,7 +26,6 @@ from postproc.diagnose.rows import Rows
 
 Key = tuple[object, ...]  # members of a set, where it was fitted, by which way
 
-FORMS = 0.03  # of the worth: forms of textbooks are no better than that
 MATERIAL = 1e-3  # mm: of less nobody can say that it comes back, slides repeat to 1 or 2 um
 UNNAMED = 16.0  # of something that has no name: fifty times seldomer than what has one
 UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
@@ -90,6 +91,18 @@ class Sets:
         for k, b in zip(numbers, blocks, strict=True):
             self._number.setdefault((b.key, b.shape), k)
         return numbers
+
+    def special(self, k: int) -> int:
+        """The number of the special case of a block, or its own where it is of no general form."""
+        block = self.blocks[k]
+        case = getattr(block.module, "special", lambda **_: None)(**dict(block.shape))
+        if case is None:
+            return k
+        name, shape = case
+        module = effects.load(name)
+        make = partial(library.read, self.rows, module, block.axis, shape)
+        siblings = next((b.siblings for b in self.blocks if b.key == f"{name}:{block.axis}"), 1)
+        return self.let_in(Block(module, block.axis, library.named(shape), make, siblings))
 
     def null(self) -> Found:
         """No effect at all."""
@@ -182,6 +195,24 @@ class Sets:
                 size *= form_of(self.blocks[k])
                 most[u] = max(most[u], size / float(np.median(p.unit.r)))
         return np.maximum(QUIETEST, most**2)
+
+    def explained(self, state: Found) -> np.ndarray:
+        """(N,) mm that the members say of the readings, without terms for errors of form."""
+        fit = state.fit
+        if fit.chosen != state.members:
+            fit = self.evidence.learn(state.members, fit, fit.on, RENEWED)
+        parts = (self.blocks[k].columns @ self.value(fit, k) for k in state.members)
+        return sum(parts, np.zeros(len(self.rows)))
+
+    def shown(self, values: np.ndarray, sigma: np.ndarray) -> float:
+        """Root of the sum of squares of values (N,) over the noise sigma (N,), without what zeros
+        that are open may take."""
+        total = 0.0
+        for part, free in zip(self.evidence.parts, self._open, strict=True):
+            own = values[part.unit.rows]
+            left = (own - free @ (free.T @ own)) / sigma[part.unit.rows]
+            total += float(left @ left)
+        return float(np.sqrt(total))
 
     def value(self, fit: Fit, k: int) -> np.ndarray:
         """(K,) coefficients of a member."""

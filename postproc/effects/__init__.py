@@ -27,7 +27,7 @@ And it may hold
 - OPTIONAL: those of PARAMETERS that may be left out, with their value;
 - EXPECTED: a parameter's usual sign; ODD: by which share of its evidence an unusual one is believed
   less; PLAUSIBLE: its range, beyond which it is something else;
-- EXTENDS: the effect that is its special case: named where both say the same;
+- special(**shape) -> (name, shape) of the effect that is its special case, tried in its place;
 - sensible(**parameters): False where such parameters are another effect's;
 - RESTING: True where it moves the tool along an axis that does not move itself, too;
 - LISTED: True of a fault of the data, listed where rows show it: it is simulated, never fitted;

@@ -43,7 +43,6 @@ PLAUSIBLE = {
 }  # beyond, it is something else
 # mm: over which it is taken up; where a worn stretch is, and how wide
 CONTINUOUS = {"play_mm": (0.001, 0.05), "worn_mm": (1.0, 20000.0), "wide_mm": (10.0, 5000.0)}
-EXTENDS = "backlash"
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "approach"), ("tool", "part")
 TEXT = (
@@ -140,6 +139,11 @@ def coefficients(
 def further_cost(axis: str, shape: dict[str, float]) -> float:
     """A curve and a worn stretch are as likely, though there are many more places of the second."""
     return 2 * float(np.log(2.0 if shape["wide_mm"] > 0 else 2.0 / (1 + STEPS)))
+
+
+def special(play_mm: float, **_: float) -> tuple[str, dict[str, float]]:
+    """The effect that is its special case, in which shape."""
+    return "backlash", {"play_mm": play_mm, "pushed": 0.0, "around": 0.0}
 
 
 def sensible(b0_um: float, worn_um: float = 0.0, wide_mm: float = 0.0, **_: float) -> bool:

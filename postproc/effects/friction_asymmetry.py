@@ -53,8 +53,11 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
     """The same of friction that builds up over a way, in a loop."""
-    plain = shape["tau_ms"] > 0 and np.any(sampled(state))
-    return [shape | {"length_mm": v} for v in reversal_spike.BUILT_UP] if plain else []
+    if shape["tau_ms"] <= 0 and shape["length_mm"] <= 0:
+        return []
+    like = {"rebounds": 0.0, "tau_ms": shape["tau_ms"], "length_mm": shape["length_mm"]}
+    found = reversal_spike.fuller(like, state, axis)
+    return [shape | {k: v for k, v in one.items() if k != "rebounds"} for one in found]
 
 
 def columns(
@@ -84,6 +87,13 @@ def columns(
     q = state.since[axis] / (tau_ms * 1e-3)
     fade = np.where(v != 0, np.exp(-np.minimum(q, 50.0)), 0.0)
     return along(axis, -fade * s, -q * fade * s, -fade, -q * fade)
+
+
+def special(tau_ms: float, length_mm: float, **_: float) -> tuple[str, dict[str, float]] | None:
+    """The effect that is its special case, in which shape: alike in both directions."""
+    if tau_ms <= 0 and length_mm <= 0:
+        return None
+    return "reversal_spike", {"tau_ms": tau_ms, "rebounds": 0.0, "length_mm": length_mm}
 
 
 def sensible(

@@ -24,6 +24,7 @@ OPTIONAL = {"rebounds": 0.0, "length_mm": 0.0}
 SWINGS = 1 / 3
 CONTINUOUS = {"tau_ms": (4.0, 600.0), "length_mm": (0.01, 4.0)}
 BUILT_UP = (0.01, 0.05, 0.25)  # mm: over which way friction turns round while the loop acts
+TIMES = (10.0, 30.0, 100.0)  # ms: over which the loop makes up for it
 FADED = 10.0  # lengths after which nothing is left
 PLAUSIBLE = {"size_um": (-500.0, 500.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "simulate", "axis"
@@ -47,9 +48,12 @@ def ways(state: State, axis: str) -> list[float]:
 
 
 def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
-    """The same of friction that builds up over a way."""
-    plain = shape["tau_ms"] > 0 and not shape["rebounds"] and np.any(sampled(state))
-    return [shape | {"length_mm": v} for v in BUILT_UP] if plain else []
+    """The same of friction that builds up over a way, in a loop."""
+    if shape["rebounds"] or not np.any(sampled(state)):
+        return []
+    if shape["tau_ms"] > 0:
+        return [shape | {"length_mm": v} for v in BUILT_UP]
+    return [shape | {"tau_ms": v} for v in TIMES]
 
 
 def of_loop(

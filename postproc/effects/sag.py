@@ -86,9 +86,10 @@ TEXT = (
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     others = [float(XYZ.index(x)) for x in state.position if x != axis and x in XYZ]
-    beams = (*others, float(XYZ.index(axis)))
+    moving = [k for k in others if np.ptp(state.position[XYZ[int(k)]]) > MOVES]
+    beams = (*moving, float(XYZ.index(axis)))
     ways = [(a, 0.0, -1.0, 0.0, *out, -1.0) for a, out in product(others, OUT)]
-    ways += [(a, 1.0, -1.0, 0.0, *OUT[0], -1.0) for a in others if len(others) > 1]
+    ways += [(a, 1.0, -1.0, 0.0, *OUT[0], -1.0) for a in others if {*moving} - {a}]
     ways += [(a, 0.0, b, o, *OUT[0], -1.0) for a, b, o in product(others, beams, LONGER)]
     rails = product(_rails(state, others), LONGER)
     ways += [(a, 0.0, beams[-1], o, *OUT[0], b) for (a, b), o in rails]
