@@ -37,14 +37,19 @@ def cost_of(block: Block) -> float:
     """What a block pays for its name and for the shapes that it was chosen from, twice the
     logarithm."""
     again = AGAIN * (len(block.shape) - 1) if block.name == "step_loss" else 0.0
-    further = getattr(block.module, "further_cost", None)
-    shape = further(block.axis, dict(block.shape)) if further else 0.0
-    return rarity(block) + 2 * math.log(block.siblings) + shape + again
+    usual = min(_further(block), 0.0)
+    return rarity(block) + usual + 2 * math.log(block.siblings) + again
 
 
 def rarity(block: Block) -> float:
-    """Of its name, whatever its shape, twice the logarithm."""
-    return ODDS + RARE.get(block.name, 0.0) + (APART if block.apart else 0.0)
+    """Of its name, and of a shape that is seldomer than the others of that, twice the logarithm."""
+    apart = APART if block.apart else 0.0
+    return ODDS + RARE.get(block.name, 0.0) + max(_further(block), 0.0) + apart
+
+
+def _further(block: Block) -> float:
+    further = getattr(block.module, "further_cost", None)
+    return float(further(block.axis, dict(block.shape))) if further else 0.0
 
 
 def unusual(block: Block, coefficients: np.ndarray) -> int:

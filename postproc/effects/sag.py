@@ -86,7 +86,7 @@ TEXT = (
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     others = [float(XYZ.index(x)) for x in state.position if x != axis and x in XYZ]
-    moving = [k for k in others if np.ptp(state.position[XYZ[int(k)]]) > MOVES]
+    moving = _moving(state, others)
     beams = (*moving, float(XYZ.index(axis)))
     ways = [(a, 0.0, -1.0, 0.0, *out, -1.0) for a, out in product(others, OUT)]
     ways += [(a, 1.0, -1.0, 0.0, *OUT[0], -1.0) for a in others if {*moving} - {a}]
@@ -102,8 +102,13 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 def _rails(state: State, others: list[float]) -> list[tuple[float, ...]]:
     """Numbers of the direction of an error and of an axis that runs from rail to rail, of which two
     places are known."""
-    pairs = permutations(others, 2)
-    return [p for p in pairs if np.ptp(state.position[XYZ[int(p[1])]]) > MOVES]
+    moving = _moving(state, others)
+    return [p for p in permutations(others, 2) if p[1] in moving]
+
+
+def _moving(state: State, axes: list[float]) -> list[float]:
+    """Numbers of those axes of which two places are known."""
+    return [k for k in axes if np.ptp(state.position[XYZ[int(k)]]) > MOVES]
 
 
 def further_cost(axis: str, shape: dict[str, float]) -> float:

@@ -29,6 +29,9 @@ PLAUSIBLE = {
     "turn_urad": (-1000.0, 1000.0),
     "turn_um": (-1000.0, 1000.0),
 }  # beyond, it is something else
+# Twice the logarithm of how much seldomer a slide yaws as it turns than it just stands askew:
+# it is seldomer than lost motion, which an angle of this kind looks like along a line.
+YAWS = 4.0
 KIND, USE, PER = "machine", "compensate", "pair"
 NEEDS, SEES = ("position",), ("tool",)
 RESTING = True
@@ -40,6 +43,11 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     came = [np.unique(np.sign(state.approach[_axes(axis, shape["leans"])[1]])) for shape in plain]
     turned = [{**p, "turns": 1.0} for p, c in zip(plain, came, strict=True) if -1 in c and 1 in c]
     return plain + turned
+
+
+def further_cost(axis: str, shape: dict[str, float]) -> float:
+    """Twice the logarithm of how much seldomer a shape is than the others of this effect."""
+    return YAWS if shape["turns"] else 0.0
 
 
 def _axes(axis: str, leans: float) -> tuple[str, str]:
