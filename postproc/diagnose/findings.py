@@ -103,7 +103,7 @@ def _alike(search: Search, state: Found, k: int, rest: Found) -> dict[str, float
     result = {}
     for key, child in sorted(others.items(), key=lambda item: -item[1].score):
         other = child.added_to(rest)
-        same = search.says_the_same(state, child)
+        same = sets.says_the_same(state, child)
         # What explains something else besides is no other name for this: with it this must lose
         # most of what it is worth.
         if (same or child.score > best - LIKELY) and _needless(sets, rest, other, k, own):

@@ -18,7 +18,7 @@ from postproc.diagnose.evidence import Fit, On
 from postproc.diagnose.explained import drawn, shares, wandered, white
 from postproc.diagnose.library import found
 from postproc.diagnose.prior import plausible, rarity
-from postproc.diagnose.sets import FORM, RENEWED, Found, Key, Sets
+from postproc.diagnose.sets import RENEWED, Found, Key, Sets
 
 MOST = 6  # members of a set
 # sets that are kept, members that are tried beside each, and of these with shapes of their own
@@ -163,18 +163,9 @@ class Search:
             if self._rarity(other) >= self._rarity(best):
                 return best
             fewer = len(other.members) <= len(best.members) and other.fit.on == best.fit.on
-            if fewer and self._plausible(other) and self.says_the_same(best, other):
+            if fewer and self._plausible(other) and self.sets.says_the_same(best, other):
                 return other
         return best
-
-    def says_the_same(self, best: Found, other: Found) -> bool:
-        """Whether two sets differ by less than the error of form of what one explains and the other
-        does not by the same member."""
-        both = tuple(k for k in best.members if k in other.members)
-        common = self.sets.of(both, best.fit.on, best)
-        most, less, least = (self.sets.explained(state) for state in (best, other, common))
-        sigma = white(self.sets.evidence, best.fit)
-        return self.sets.shown(most - less, sigma) < FORM * self.sets.shown(most - least, sigma)
 
     def _rarity(self, state: Found) -> float:
         return sum(rarity(self.sets.blocks[k]) for k in state.members)

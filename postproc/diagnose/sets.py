@@ -18,7 +18,7 @@ from postproc import effects
 from postproc.diagnose import library
 from postproc.diagnose.block import Block
 from postproc.diagnose.evidence import QUIETEST, Evidence, Fit, On
-from postproc.diagnose.explained import wandered
+from postproc.diagnose.explained import wandered, white
 from postproc.diagnose.library import FOUND
 from postproc.diagnose.parts import Part
 from postproc.diagnose.prior import cost_of, plausible, unusual
@@ -195,6 +195,17 @@ class Sets:
                 size *= form_of(self.blocks[k])
                 most[u] = max(most[u], size / float(np.median(p.unit.r)))
         return np.maximum(QUIETEST, most**2)
+
+    def says_the_same(self, best: Found, other: Found) -> bool:
+        """Whether two sets differ by less than the error of form of what they do not explain by the
+        same members; the form is that of the members of the other one."""
+        both = tuple(k for k in best.members if k in other.members)
+        wrong = (form_of(self.blocks[k]) for k in other.members if k not in both)
+        by = max(wrong, default=FORM)
+        common = self.of(both, best.fit.on, best)
+        most, less, least = (self.explained(state) for state in (best, other, common))
+        sigma = white(self.evidence, best.fit)
+        return self.shown(most - less, sigma) < by * self.shown(most - least, sigma)
 
     def explained(self, state: Found) -> np.ndarray:
         """(N,) mm that the members say of the readings, without terms for errors of form."""

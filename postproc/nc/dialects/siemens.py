@@ -40,7 +40,8 @@ _DRILLED = (  # --expand writes these out
     *("CYCLE71", "CYCLE77"),
 )
 _THREADS = ("CYCLE97", "CYCLE98", "CYCLE99")
-_FRAMES = "ROT AROT ROTS AROTS SCALE ASCALE MIRROR AMIRROR"
+_FRAMES = "ROT AROT SCALE ASCALE MIRROR AMIRROR"
+_SOLID = "ROTS AROTS"
 _PARAMETERS = (
     # words that move no slide
     "ADIS ADISPOS CTOL OTOL ATOL SF LIMS SPOS DITS DITE OVR OVRRAP ISD DISC DL PW SD FP"
@@ -52,7 +53,7 @@ _OTHERS = (
     "SUPA DIAMON DIAMOF DIAM90 CIP CT INVCW INVCCW POLY ASPLINE BSPLINE CSPLINE REPOSL REPOSQ"
     " REPOSH TRAFOOF TRANSMIT TRACYL TRAANG TRAORI CYCLE800 CYCLE832 SETMS MEAS MEAW FGROUP"
 )
-_KEYWORDS = ("TRANS", "ATRANS", *f"{_FRAMES} {_OTHERS} {_CYCLES} {_QUIET}".split())
+_KEYWORDS = ("TRANS", "ATRANS", *f"{_FRAMES} {_SOLID} {_OTHERS} {_CYCLES} {_QUIET}".split())
 
 DIALECT = Dialect(
     name="siemens",
@@ -141,6 +142,14 @@ DIALECT = Dialect(
             takes=True,
             does="frame",
             refuses=codes.FRAME,
+        ),
+        *rows(
+            "frame",
+            dict.fromkeys(_SOLID.split(), "turned by solid angles"),
+            takes=True,
+            does="frame",
+            refuses="it turns the coordinates by two angles at once: program ROT and AROT about one"
+            " axis each, which --expand writes out",
         ),
         *rows("", {"58": "shift of single axes"}, takes=True, does="axis shift"),
         *rows("", {"59": "further shift of single axes"}, takes=True, does="further axis shift"),
