@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from postproc import ports
+from postproc.machine import write
 from postproc.machine.edit import with_sections
 from postproc.machine.file import read_machine
 
@@ -68,3 +69,10 @@ def test_a_machine_with_a_list_of_effects_is_copied_with_all_of_them(tmp_path):
     read = read_machine(tmp_path / "new").effects
     assert [(t.name, t.axis) for t in read] == [("backlash", "X"), ("backlash", "Y")]
     assert b"\n" not in (tmp_path / "new" / "machine.toml").read_bytes().replace(b"\r\n", b"")
+
+
+def test_a_table_of_the_runs_has_a_cell_for_what_is_known_alone():
+    """Places to 1e-6 mm, values to 1e-4; what is not a number, and what is none, stays empty."""
+    row = {"Z_mm": 12.3456789, "component": "EZZ", "runs": 5, "mean": 1.23456, "s": float("nan")}
+    text = write.runs_table("Z", [row | {"u": None}])
+    assert text.splitlines()[-1] == "12.345679,EZZ,,,5,1.2346,,,,"

@@ -148,8 +148,8 @@ DIALECT = Dialect(
             dict.fromkeys(_SOLID.split(), "turned by solid angles"),
             takes=True,
             does="frame",
-            refuses="it turns the coordinates by two angles at once: program ROT and AROT, about one"
-            " axis each",
+            refuses="it turns the coordinates by two angles at once: program ROT and AROT, about"
+            " one axis each",
         ),
         *rows("", {"58": "shift of single axes"}, takes=True, does="axis shift"),
         *rows("", {"59": "further shift of single axes"}, takes=True, does="further axis shift"),
