@@ -4,6 +4,7 @@ enter linearly: blocks of columns as the readings would show them."""
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import fields
 from functools import partial
 from itertools import combinations
 from types import ModuleType
@@ -31,6 +32,8 @@ FEWEST_BETWEEN = 6  # readings before, between and behind jumps: fewer are readi
 SMOOTH, WAVE = 4, 0.2  # degree of a curve; share of a wave's squares that it must leave
 # (also) from the spectrum of what is left
 FOUND = ("cyclic", "encoder_cyclic", "stick_slip", "vibration")
+# what an effect may need beside channels that were recorded and changed
+OWN = {field.name for field in fields(effects.State)} | {"force", "material"}
 
 
 def visible(rows: Rows, module: ModuleType) -> np.ndarray:
@@ -77,10 +80,7 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
             return False
         if need == "part" and "gauge" in module.SEES and np.any(state.channels.get("gauged", 0.0)):
             continue
-        if (
-            need in ("part", "T_air_C", "spindle_rpm")
-            and np.ptp(state.channels.get(need, np.zeros(1))) == 0
-        ):
+        if need not in OWN and np.ptp(state.channels.get(need, np.zeros(1))) == 0:
             return False
         if need == "angles" and axis not in state.angles:
             return False

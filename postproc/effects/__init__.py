@@ -11,9 +11,9 @@ Every module holds
   program can correct it), "recording" (not of a machine: the recording is to be corrected);
 - PER: "axis" (one of each moving axis), "pair" (of two axes) or "all" (axis is null); LINE: True
   where it is of no axis on a line along which several move;
-- NEEDS: what must be known of a row (fields of State, names of channels); SEES: which signals it
-  can show in: "tool" (an instrument at the tool), "scale" (the axis' own scale or encoder), "part"
-  (features of a part);
+- NEEDS: what must be known of a row: fields of State, "force", channels (T_air_C) that changed;
+  SEES: which signals it can show in: "tool" (an instrument at the tool), "scale" (the axis' own
+  scale or encoder), "part" (features of a part);
 - TEXT: what it is and what to do about it;
 - shapes(state, axis) -> list of dicts: the parameters that do not enter linearly, as a grid; [{}]
   where there are none;
@@ -29,7 +29,7 @@ And it may hold
   less; PLAUSIBLE: its range, beyond which it is something else;
 - special(**shape) -> (name, shape) of the effect that is its special case, tried in its place;
 - sensible(**parameters): False where such parameters are another effect's;
-- RESTING: True where it moves the tool along an axis that does not move itself, too;
+- RESTING: True where its axis is the direction of the error, which need not move itself;
 - LISTED: True of a fault of the data, listed where rows show it: it is simulated, never fitted;
 - ALONG: True where it is along its axis and told by each row alone: rows that see it are asked;
 - WALLS: True where what goes with time changes what lies between the two walls of a feature;

@@ -110,3 +110,14 @@ def test_a_pair_is_compared_where_both_of_its_axes_move(place, direction, pairs)
     module = effects.load("servo_mismatch")
     rows = SimpleNamespace(state=state, direction=direction)
     assert {p for p in ("XY", "XZ", "YZ") if library.needed(rows, module, p)} == pairs
+
+
+@pytest.mark.parametrize(
+    "column, told", [(None, False), (np.full(4, 21.0), False), (np.arange(4.0), True)]
+)
+def test_an_effect_of_a_channel_is_asked_where_that_was_recorded_and_changed(column, told):
+    """Of whatever name: a new effect brings its own."""
+    channels = {} if column is None else {"T_column_C": column}
+    state = State({"X": np.arange(4.0)}, {"X": np.ones(4)}, {"X": (0.0, 4.0)}, channels=channels)
+    module = SimpleNamespace(NEEDS=("position", "T_column_C"), PER="axis", SEES=("tool",))
+    assert library.needed(SimpleNamespace(state=state), module, "X") is told

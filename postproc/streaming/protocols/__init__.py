@@ -90,8 +90,9 @@ class Protocol(Interface):
     does: what urgent("hold") and urgent("stop") really do there, and what follows from it, in words
     for a person.
     confirms: how the end of a job is known: "idle" (a Status says so), "answers" (the last answer
-    is given when all is done), or "nothing" (what was written is all that is known). questions:
-    lines to ask one by one before a job.
+    is given when all is done; a controller that answers when it has taken a line gets a closing
+    line that it answers at rest, such as a dwell), or "nothing" (what was written is all that is
+    known). questions: lines to ask one by one before a job.
 
     A class may have besides: used, how much of the receive buffer is taken; waits, why nothing may
     leave now, in words ("": it may); exact, True: it rounds no corner and says where it is while it
