@@ -93,8 +93,9 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
 
 
 def _alike(search: Search, state: Found, k: int, rest: Found) -> dict[str, float]:
-    """Other names for a member, the likeliest first: by how much less each is believed. Of what
-    says the same a reading parts none, but one may be seldomer."""
+    """Other names for a member, the likeliest first, and by how much less each is believed, twice
+    the logarithm of a probability: names whose curves say the same differ by how common they are,
+    the others by their scores."""
     sets, block = search.sets, search.sets.blocks[k]
     best, own = sets.at_own_form(state).score, sets.worth(state, k)
     children = sorted(search.children(rest, NAMES, state), key=lambda child: child.score)

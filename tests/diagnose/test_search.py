@@ -285,3 +285,33 @@ def test_terms_by_which_a_form_may_be_wrong(wave):
     later = [] if wave else [[0.0, 0.0, 2.0, 3.0]]
     by_hand = [[-2.4, -1.0, 2.0, 8.4], [-2.0, -1.0, 0.0, 7.0], *later, *after]
     assert _terms(cast(Any, rows), block, np.array([2.0])).T == pytest.approx(np.array(by_hand))
+
+
+@pytest.mark.parametrize(
+    "same, on, told",
+    [
+        ({(1,), (2,)}, (), (1,)),  # the commonest of those that say the same
+        ({(2,)}, (), (2,)),
+        (set(), (), (0,)),  # the commoner ones say something else
+        ({(1,), (2,)}, ((0, "place"),), (0,)),  # beside a process it is another answer
+    ],
+)
+def test_of_sets_that_say_the_same_the_commonest_is_told(monkeypatch, same, on, told):
+    """A sag (4 beyond the odds of any name), a bow (2), a squareness (-2); special cases apart."""
+    shapes_of = [("sag", "X"), ("squareness", "XY"), ("bow", "X")]
+
+    class Same(Dictionary):
+        def says_the_same(self, best: Found, other: Found) -> bool:
+            return other.members in same
+
+    plain = {"beam": -1.0, "lever": 1.0, "usual_N": 0.0, "rails": -1.0, "turns": 0.0}
+    sets = Same(*((name, axis, plain, False) for name, axis in shapes_of))
+    sets.scores, sets.unfit = {(): 0.0}, set()
+    search = Search(cast(Any, sets))
+    monkeypatch.setattr(search, "children", lambda rest, names, like: [])
+    monkeypatch.setattr(search, "_special", lambda state: [])
+    best = found((0,), 90.0)
+    others = [found((k,), 80.0) for k in (1, 2)]
+    for other in others:
+        other.fit.on = frozenset(on)
+    assert search._commonest(best, [best, *others]).members == told
