@@ -1,11 +1,11 @@
-"""What no statistics can part: `python -m proof.ceiling [--kinds held] [--count N]`.
+"""What no statistics can part: `python -m proof.ceiling [--kinds later] [--count N]`.
 
 Cases with one effect of `proof/strangers` are read by the tool, and its dictionary is judged beside
 the covariance that the readings really have (noise, wander, the map's error; zeros free), as the
 generator's oracle knows it, in the place of one that is learned from them. The name of the block
 that is worth most is compared with the truth. Where it is another one, the forms of the library are
 what is missing, or two names say the same: no better account of the noise finds the truth there.
-For development: the kinds `fresh` are not for it. Left out are long traces whose samples the tool
+For development: a family that is held back is not for it. Left out are long traces whose samples the tool
 averages.
 """
 
@@ -28,6 +28,7 @@ from proof import laid
 from proof.score import same
 from proof.strangers import tiers
 from proof.strangers.oracle import Oracle
+from proof.strangers.registry import FAMILIES
 
 UM, URAD = 1e3, 1e6  # of a mm, of a rad
 SURE = 1e-3  # mm: beside it periodic blocks are looked for
@@ -99,7 +100,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m proof.ceiling", description=__doc__.splitlines()[0]
     )
-    parser.add_argument("--kinds", choices=("open", "held"), default="open")
+    parser.add_argument("--kinds", choices=FAMILIES, default="open")
     parser.add_argument("--seed", default="ceiling")
     parser.add_argument("--count", type=int, default=60)
     options = parser.parse_args(argv)
