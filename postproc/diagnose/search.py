@@ -259,7 +259,8 @@ class Search:
             rests += [
                 self.sets.of(best.members, best.fit.on - {process}, best) for process in best.fit.on
             ]
-            likeliest = max(rests, key=lambda rest: rest.score, default=None)
+            # a set that can not be stands for no other
+            likeliest = max(filter(self._plausible, rests), key=lambda r: r.score, default=None)
             if likeliest is None or best.score - likeliest.score >= self.least:
                 return best
             best = likeliest
