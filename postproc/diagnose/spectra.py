@@ -16,6 +16,7 @@ TRIED = 600  # frequencies that could have been chosen by chance: what the score
 PEAKS = 3
 # mm between samples: an axis stands; which share of them tells the finest wave
 STILL, SMALL_STEPS = 1e-4, 0.1
+MOVES = 1e-3  # mm/s
 # mm, of a scale's signal; distances of samples that are looked at
 FINEST, MOST_PAIRS = 0.02, 2_000_000
 LOWEST_HZ = 0.5  # slower, it is drift: machines on soft mounts swing at 1 to 3 Hz
@@ -37,6 +38,9 @@ PER_TURN = 1000  # bins: sums over them are right to 1e-5, (pi / PER_TURN)^2 / 6
 def in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) -> list[float]:
     """mm: the likeliest periods along an axis; of rows that are averages also by the places of
     their samples."""
+    # samples of an axis that stands tell one place, however many they are
+    stands = (rows.state.passage >= 0) & (np.abs(rows.state.velocity[axis]) <= MOVES)
+    weighted, power = np.where(stands, 0.0, weighted), np.where(stands, 0.0, power)
     found = _in_place(rows, axis, weighted, power)
     if axis in rows.state.inside:
         sampled = (power > 0) & (rows.state.passage >= 0)
