@@ -8,11 +8,11 @@ order, 0.4 to 0.9 (Box and Jenkins 1970), apart-5 parts that are not quite at 20
 part's lengths are out by a share of its own, 0.1 to 0.5 K, over the CMM's repeatability
 (ISO/TR 15530-3; 11.5e-6 per K), apart-6 a laser in turbulent air: deviation as floor and path
 together, the path counted from a head that stands 0.2 to 1 m away (Estler 1985; Renishaw XL-80).
-Slow: apart-7 a room that wanders smoothly, Matern's kernel of order 3/2 (Rasmussen and Williams
-2006, eq. 4.17), apart-8 a random walk (Allan 1987), apart-9 1/f noise: waves whose frequencies are
-even on a logarithmic scale, three decades (Mandelbrot and Van Ness 1968; its kernel is a difference
-of cosine integrals), apart-10 a drift of the set-up in a straight line, and a quarter of it bent
-(ISO 230-2, 4; ISO 230-3).
+Slow: apart-7 a room that wanders smoothly, Matern's spectrum of order 3/2 (Rasmussen and Williams
+2006, eq. 4.15), apart-8 a random walk by its first 60 sines (Loeve 1978), apart-9 1/f noise, from a
+period of 2.2 times the file to a 60th of that (Mandelbrot and Van Ness 1968), apart-10 a drift of
+the set-up in a straight line, and a quarter of it bent (ISO 230-2, 4; ISO 230-3).  The first three
+are series of sines over the file, so that the oracle has their covariance without approximation.
 
 Every kind tells the oracle its exact second moments, and `sd_um` is that of one reading before its
 digit is rounded.
@@ -24,7 +24,6 @@ from collections.abc import Callable
 
 import numpy as np
 from scipy.signal import lfilter
-from scipy.special import sici
 
 from .base import Array, Rec, Rng
 from .noise import LATER, MORE_FAST, MORE_SLOW, FastKind, Noise, SlowKind
@@ -131,52 +130,38 @@ def _from_start(rec: Rec) -> tuple[Array, float]:
     return t, max(float(t[-1]), 1e-9)
 
 
-def _waves(r: Rng, t: Array, omega: Array) -> Array:
-    """Waves of the given rates (rad/s) with normal amplitudes; unit variance."""
-    trig = np.outer(t, omega)
-    n = len(omega)
-    return (np.cos(trig) @ r.normal(size=n) + np.sin(trig) @ r.normal(size=n)) / np.sqrt(n)
+def _series(r: Rng, noise: Noise, s: float, rec: Rec, power: Array, number: int) -> None:
+    """Harmonics 1, 2, ... of a period of 2.2 times the file with normal amplitudes, variances in
+    proportion to `power`, s^2 in all."""
+    t, span = _from_start(rec)
+    size = s * np.sqrt(power / power.sum())
+    for k, a in enumerate(size, 1):
+        angle = 2 * np.pi * k * t / (2.2 * span)
+        _column(r, noise, a * np.cos(angle))
+        _column(r, noise, a * np.sin(angle))
+    noise.spec.append({"kind": f"apart-{number}", "um": round(s, 4)})
 
 
 @slow(7)
 def smooth_room(r: Rng, noise: Noise, s: float, rec: Rec, world: World, c: int) -> None:
-    """s^2 (1 + d) exp(-d), d = root of three times lag over tau; its spectrum is Student's of three
-    degrees of freedom."""
-    t, span = _from_start(rec)
-    tau = span * r.uniform(0.08, 0.5)
-    noise.values += s * _waves(r, t, r.standard_t(3, 80) / tau)
-
-    def kernel(x: Array, y: Array) -> Array:
-        d = np.sqrt(3) * np.abs(x[:, None] - y) / tau
-        return s * s * (1 + d) * np.exp(-d)
-
-    noise.kernels.append((kernel, t))
-    noise.spec.append({"kind": "apart-7", "um": round(s, 4), "tau_s": round(tau, 2)})
+    """Power (3 + w^2 tau^2)^-2, tau 0.05 to 0.4 of the file."""
+    rate = 2 * np.pi / 2.2 * np.arange(1, 41) * r.uniform(0.05, 0.4)
+    _series(r, noise, s, rec, (3 + rate**2) ** -2.0, 7)
 
 
 @slow(8)
 def random_walk(r: Rng, noise: Noise, s: float, rec: Rec, world: World, c: int) -> None:
-    """Independent steps, s um in all at the end of the file."""
+    """Sines of k - 1/2 half waves over the file, s um at its end."""
     t, span = _from_start(rec)
-    noise.values += np.cumsum(r.normal(size=len(t)) * s * np.sqrt(np.diff(t, prepend=0.0) / span))
-    noise.kernels.append((lambda x, y: s * s * np.minimum(x[:, None], y) / span, t))
+    for k in np.pi * (np.arange(60) + 0.5):
+        _column(r, noise, s * np.sqrt(2) / k * np.sin(k * t / span))
     noise.spec.append({"kind": "apart-8", "um": round(s, 4)})
 
 
 @slow(9)
 def one_over_f(r: Rng, noise: Noise, s: float, rec: Rec, world: World, c: int) -> None:
-    """From a period of four times the file to one of a 250th of it."""
-    t, span = _from_start(rec)
-    low, high = np.pi / 2 / span, 500 * np.pi / span
-    omega = np.exp(np.log(low) + (np.arange(60) + r.random(60)) / 60 * np.log(high / low))
-    noise.values += s * _waves(r, t, omega)
-
-    def kernel(x: Array, y: Array) -> Array:
-        d = np.maximum(np.abs(x[:, None] - y), 1e-9 * span)
-        return s * s * (sici(high * d)[1] - sici(low * d)[1]) / np.log(high / low)
-
-    noise.kernels.append((kernel, t))
-    noise.spec.append({"kind": "apart-9", "um": round(s, 4)})
+    """Power as one over the order, 60 of them."""
+    _series(r, noise, s, rec, 1 / np.arange(1.0, 61.0), 9)
 
 
 @slow(10)

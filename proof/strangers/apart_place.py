@@ -1,14 +1,13 @@
-"""Forms of place, load and tool of the apart family.  Do not read while working on the judged tool.
+"""Forms of place and tool of the apart family.  Do not read while working on the judged tool.
 
 Conventions as in forms_place.  Sources: ISO 230-1:2012, ISO 230-2:2014 and ISO/TR 16907 (components
 of error as lines, polynomials and Fourier series over the travel), Schwenke et al. 2008 (CIRP
 Annals 57/2), Donmez et al. 1986 (Precision Engineering 8: polynomials of low order), Slocum 1992
-(Precision machine design: misaligned ways, beams, Hertz contacts, Bryan's principle), THK's, NSK's
-and Steinmeyer's screw catalogues (representative travel line, variation within a turn, bearing and
-nut rigidity; JIS B 1192), Heidenhain (Linear encoders for numerically controlled machine tools;
+(Precision machine design: misaligned ways, beams, Bryan's principle), THK's, NSK's and Steinmeyer's
+screw catalogues (representative travel line, variation within a turn; JIS B 1192), Heidenhain (Linear encoders for numerically controlled machine tools;
 Encoders for servo drives: deviations within a signal period, eccentric graduations), Weck and
 Brecher 2006 (rotations of carriages on two guideways), Roark (beams), Altintas 2012 (Manufacturing
-automation: static deflection, tool life in three zones), Kline, DeVor and Shareef 1982 (walls
+automation: tool life in three zones), Kline, DeVor and Shareef 1982 (walls
 milled by a tool that gives way).
 """
 
@@ -234,25 +233,6 @@ def cross_rail(w: World, r: Rng, ax: int) -> Shape:
         return -16 * (s * (1 - s)) ** 2
 
     return tool_only(to, f, axis=AX[ax])
-
-
-@apart("force_compliance")
-def static_stiffness(w: World, r: Rng, ax: int) -> Shape:
-    """Load over stiffness (ISO 230-1, Annex; Altintas)."""
-    return tool_only(ax, lambda q: w.force(q, ax), params=lambda a: {"um_per_N": a}, most=2.0)
-
-
-@apart("force_compliance")
-def structure_and_bearing(w: World, r: Rng, ax: int) -> Shape:
-    """Half to four fifths of the compliance is the structure's and linear, the rest the ball
-    bearings', as load to the power of two thirds (NSK: axial rigidity; Slocum, Hertz)."""
-    k, top = r.uniform(0.5, 0.8), max(float(np.abs(w.load[ax]).max()), 1.0)
-
-    def f(q: Rec) -> Array:
-        n = w.force(q, ax)
-        return k * n + (1 - k) * top * np.sign(n) * np.abs(n / top) ** (2 / 3)
-
-    return tool_only(ax, f, most=2.0)
 
 
 def _cutter(amount: Callable[[Rec], Array], told: bool, sign: float = 1.0) -> Shape:

@@ -1,8 +1,9 @@
-"""Servo, vibration and lost steps of the apart family.  Do not read while working on the judged
+"""Servo, load, vibration and lost steps of the apart family.  Do not read while working on the judged
 tool.
 
 Signs as in forms_motion.  Sources: Altintas 2012 and Koren 1997 (position loops: velocity gain,
-loops of the second order), ISO 230-4 and Renishaw's manual of the QC20 (servo mismatch: an ellipse
+loops of the second order;
+static deflection), NSK (axial rigidity) and Slocum 1992 (Hertz contacts), ISO 230-4 and Renishaw's manual of the QC20 (servo mismatch: an ellipse
 at 45 degrees that turns over with the sense), Weck and Brecher 2006 (Werkzeugmaschinen 3: error in
 proportion to acceleration; structural modes), Bringmann and Knapp 2006 and Weikert 2004 (cross talk
 of acceleration at the tool), ISO/TR 230-8 (forced vibration by unbalance, by the floor), Acarnley
@@ -17,7 +18,7 @@ from scipy.signal import bilinear, lfilter
 
 from .base import AX, Array, Part, Rec, Rng, Shape, logu, pick, stream
 from .forms_servo import pair_of
-from .registry import along, apart, both
+from .registry import along, apart, both, tool_only
 from .world import World, slow_ou
 
 
@@ -77,6 +78,25 @@ def one_slower(w: World, r: Rng, ax: int) -> Shape:
         return Part(tool=v, scale=v)
 
     return Shape(field, AX[pair[0]] + AX[pair[1]], lambda a: {"delta_tau_ms": sign * a})
+
+
+@apart("force_compliance")
+def static_stiffness(w: World, r: Rng, ax: int) -> Shape:
+    """Load over stiffness (ISO 230-1, Annex; Altintas)."""
+    return tool_only(ax, lambda q: w.force(q, ax), params=lambda a: {"um_per_N": a}, most=2.0)
+
+
+@apart("force_compliance")
+def structure_and_bearing(w: World, r: Rng, ax: int) -> Shape:
+    """Half to four fifths of the compliance is the structure's and linear, the rest the ball
+    bearings', as load to the power of two thirds (NSK: axial rigidity; Slocum, Hertz)."""
+    k, top = r.uniform(0.5, 0.8), max(float(np.abs(w.load[ax]).max()), 1.0)
+
+    def f(q: Rec) -> Array:
+        n = w.force(q, ax)
+        return k * n + (1 - k) * top * np.sign(n) * np.abs(n / top) ** (2 / 3)
+
+    return tool_only(ax, f, most=2.0)
 
 
 @apart("inertia")

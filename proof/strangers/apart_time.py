@@ -78,7 +78,7 @@ for _course in (_follows_the_air, _warms_up, _temperatures_times_coefficients):
 
 def _growth(w: World, r: Rng, series: Array) -> Shape:
     """Nose of the spindle away from its bearings: -Z, or -X for a wheelhead across."""
-    d = np.array([0.0, 0.15 * r.normal(), -1.0])
+    d = np.array([0.1 * r.normal(), 0.15 * r.normal(), -1.0])
     if len(w.machine.axes) == 2:
         d = np.array([-1.0, 0.0, 0.15]) if r.random() < 0.5 else np.array([0.1, 0.0, -1.0])
     return Shape(lambda q, a: Part(tool=a * w.at(series, q.t)[:, None] * d), "", most=80.0)
