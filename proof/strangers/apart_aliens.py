@@ -5,8 +5,8 @@ Sources: Mayr et al. 2012 and Weck and Brecher 2006 (columns that lean as they w
 warp), Schwenke et al. 2008 (machines that are not rigid bodies), Slocum 1992 (carriages that crab
 on a worn way; pads and seals), Koren 1980 (cross-coupled control), Altintas et al. 2011 (CIRP
 Annals 60/2: stiffness and so the loop goes with the place), Erkorkmaz and Altintas 2001 (one axis
-disturbs another), ISO 10791-7 with ISO/TR 16015 (parts that are warm while they are cut), buses
-that are congested by bursts (IEEE 1588).
+disturbs another), ISO/TR 16015 (lengths measured while the temperature varies), buses that are
+congested by bursts (IEEE 1588).
 
 Each says why no name of the contract stands for it.
 """
@@ -72,8 +72,8 @@ def _even_out(x: Array) -> Array:
 def warped_plate(w: World, r: Rng, ax: int) -> Shape | None:
     """A table that is warped: an error that is a wave in one axis times a wave in another.  Names
     of the contract are sums of what single axes do, or a rotation of one of them."""
-    seen, d = together(w, ax), sensed(w, r)
-    if not seen or any(len(q.moving) < 2 for q in w.recs if q.outside):
+    seen, d = [q for q in together(w, ax) if q.kind in ("trace", "targets")], sensed(w, r)
+    if not seen or any(q not in seen for q in w.recs if q.outside):
         return None
     n, ph = r.uniform(0.8, 1.3, 2), r.uniform(-0.4, 0.4, 2)
 
@@ -135,29 +135,33 @@ def pushed_by_the_neighbour(w: World, r: Rng, ax: int) -> Shape | None:
 
 
 @alien
-def cut_warm(w: World, r: Rng, ax: int) -> Shape | None:
-    """A part that warms up while it is cut and shrinks on the CMM: the later in its part a feature
-    was cut, the shorter, in proportion to its length.  `scale` is alike for all, `tool_size` and
+def swinging_room(w: World, r: Rng, ax: int) -> Shape | None:
+    """A CMM whose room warms and cools by turns while the parts are measured: lengths swell and
+    shrink in the order in which they were read.  `scale` is alike for all, `tool_size` and
     `tool_wear` go with the radius."""
     parts = [q for q in w.recs if q.kind == "features"]
     if not parts:
         return None
-    tau = r.uniform(0.2, 0.6)
+    n, ph = r.uniform(1.5, 5), r.uniform(0, 6.28)
 
     def f(q: Rec) -> Array:
-        no = np.array([i[0] for i in q.meta["info"]], float)
         size = np.array([i[3] for i in q.meta["info"]])
-        return size / size.max() * np.expm1(-(no - 1) / max(no.max() - 1, 1) / tau)
+        order = np.arange(len(size)) / len(size)
+        return size / size.max() * np.sin(2 * np.pi * n * order + ph)
 
-    for q in parts:  # a pattern that lengths and the radius tell as well is none
-        size = np.array([i[3] for i in q.meta["info"]])
-        axis = np.array([i[2] for i in q.meta["info"]])
-        known = np.c_[q.meta["radial"], *(size * (axis == a) for a in np.unique(axis))]
-        y = f(q)
-        rest = y - known @ np.linalg.lstsq(known, y, rcond=None)[0]
-        if rest.var() < 0.3 * y.var():
-            return None
+    if any(_told_by_names(q, f(q)) for q in parts):
+        return None
     return Shape(lambda q, a: Part(reading=a * f(q)) if q.kind == "features" else Part(), "")
+
+
+def _told_by_names(q: Rec, y: Array) -> bool:
+    """Whether lengths along each axis, the radius and its wear tell most of a pattern."""
+    info, rad = q.meta["info"], q.meta["radial"]
+    size, axis = np.array([i[3] for i in info]), np.array([i[2] for i in info])
+    lengths = [size * (axis == a) for a in np.unique(axis)]
+    known = np.c_[rad, rad * q.meta["part"], np.stack(lengths, 1)]
+    rest = y - known @ np.linalg.lstsq(known, y, rcond=None)[0]
+    return bool(rest.var() < 0.5 * y.var())
 
 
 @alien

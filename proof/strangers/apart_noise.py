@@ -5,14 +5,14 @@ Fast: apart-1 normal, alike everywhere (JCGM 100:2008), apart-2 a reading with a
 6.4.3), apart-3 gross slips, one to four of a hundred readings are three to eight times as wide
 (Huber 1964), apart-4 a log of a control or a ballbar's electronics: autoregressive of the first
 order, 0.4 to 0.9 (Box and Jenkins 1970), apart-5 parts that are not quite at 20 C on the CMM: each
-part's lengths are out by a share of its own, 0.1 to 0.5 K, over the CMM's repeatability
-(ISO/TR 15530-3; 11.5e-6 per K), apart-6 a laser in turbulent air: deviation as floor and path
-together, the path counted from a head that stands 0.2 to 1 m away (Estler 1985; Renishaw XL-80).
+part's lengths are out by a share of its own, 0.1 to 0.5 K, over the CMM's repeatability (ISO/TR
+15530-3; 11.5e-6 per K), apart-6 a laser in turbulent air: deviation as floor and path together, the
+path counted from a head that stands 0.2 to 1 m away (Estler 1985; Renishaw XL-80).
 Slow: apart-7 a room that wanders smoothly, Matern's spectrum of order 3/2 (Rasmussen and Williams
 2006, eq. 4.15), apart-8 a random walk by its first 60 sines (Loeve 1978), apart-9 1/f noise, from a
 period of 2.2 times the file to a 60th of that (Mandelbrot and Van Ness 1968), apart-10 a drift of
-the set-up in a straight line, and a quarter of it bent (ISO 230-2, 4; ISO 230-3).  The first three
-are series of sines over the file, so that the oracle has their covariance without approximation.
+the set-up in a straight line, and a quarter of it bent (ISO 230-2; ISO 230-3).  The first three are
+series of sines over the file, so that the oracle has their covariance without approximation.
 
 Every kind tells the oracle its exact second moments, and `sd_um` is that of one reading before its
 digit is rounded.

@@ -4,11 +4,11 @@ Conventions as in forms_place.  Sources: ISO 230-1:2012, ISO 230-2:2014 and ISO/
 of error as lines, polynomials and Fourier series over the travel), Schwenke et al. 2008 (CIRP
 Annals 57/2), Donmez et al. 1986 (Precision Engineering 8: polynomials of low order), Slocum 1992
 (Precision machine design: misaligned ways, beams, Bryan's principle), THK's, NSK's and Steinmeyer's
-screw catalogues (representative travel line, variation within a turn; JIS B 1192), Heidenhain (Linear encoders for numerically controlled machine tools;
-Encoders for servo drives: deviations within a signal period, eccentric graduations), Weck and
-Brecher 2006 (rotations of carriages on two guideways), Roark (beams), Altintas 2012 (Manufacturing
-automation: tool life in three zones), Kline, DeVor and Shareef 1982 (walls
-milled by a tool that gives way).
+screw catalogues (representative travel line, variation within a turn; JIS B 1192), Heidenhain
+(Linear encoders for numerically controlled machine tools; Encoders for servo drives: deviations
+within a signal period, eccentric graduations), Weck and Brecher 2006 (rotations of carriages on two
+guideways), Roark (beams), Altintas 2012 (Manufacturing automation: tool life in three zones),
+Kline, DeVor and Shareef 1982 (walls milled by a tool that gives way).
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def graduation_off_centre(w: World, r: Rng, ax: int) -> Shape:
 
 @apart("squareness")
 def out_of_square(w: World, r: Rng, ax: int) -> Shape:
-    """An angle between two axes that is not the assumed one (ISO 230-1, 10.1)."""
+    """An angle between two axes that is not the assumed one (ISO 230-1)."""
     return _angle(w, r, ax, lambda q, lean: q.pos[:, lean], True)
 
 

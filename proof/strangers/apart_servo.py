@@ -1,14 +1,13 @@
-"""Servo, load, vibration and lost steps of the apart family.  Do not read while working on the judged
-tool.
+"""Servo, load, vibration and lost steps of the apart family.  Do not read while working on the
+judged tool.
 
 Signs as in forms_motion.  Sources: Altintas 2012 and Koren 1997 (position loops: velocity gain,
-loops of the second order;
-static deflection), NSK (axial rigidity) and Slocum 1992 (Hertz contacts), ISO 230-4 and Renishaw's manual of the QC20 (servo mismatch: an ellipse
-at 45 degrees that turns over with the sense), Weck and Brecher 2006 (Werkzeugmaschinen 3: error in
-proportion to acceleration; structural modes), Bringmann and Knapp 2006 and Weikert 2004 (cross talk
-of acceleration at the tool), ISO/TR 230-8 (forced vibration by unbalance, by the floor), Acarnley
-2002 (Stepping motors: lost in multiples of four steps), Heidenhain's and collision notes (a jump at
-a stop).
+loops of the second order; static deflection), NSK (axial rigidity) and Slocum 1992 (Hertz
+contacts), ISO 230-4 and Renishaw's manual of the QC20 (servo mismatch: an ellipse at 45 degrees
+that turns over with the sense), Weck and Brecher 2006 (Werkzeugmaschinen 3: error in proportion to
+acceleration; structural modes), Zirn and Weikert 2006 (Modellbildung und Simulation: cross talk of
+acceleration at the tool), ISO/TR 230-8 (forced vibration by unbalance, by the floor), Acarnley 2002
+(Stepping motors: synchronism that is lost).
 """
 
 from __future__ import annotations
@@ -82,7 +81,7 @@ def one_slower(w: World, r: Rng, ax: int) -> Shape:
 
 @apart("force_compliance")
 def static_stiffness(w: World, r: Rng, ax: int) -> Shape:
-    """Load over stiffness (ISO 230-1, Annex; Altintas)."""
+    """Load over stiffness (Altintas)."""
     return tool_only(ax, lambda q: w.force(q, ax), params=lambda a: {"um_per_N": a}, most=2.0)
 
 
@@ -108,7 +107,7 @@ def acceleration_error(w: World, r: Rng, ax: int) -> Shape:
 @apart("inertia")
 def cross_talk(w: World, r: Rng, ax: int) -> Shape:
     """The structure gives way to an accelerated slide: its own direction at the tool, and 0.15 to
-    0.5 of it across; no scale sees it (Bringmann and Knapp)."""
+    0.5 of it across; no scale sees it (Zirn and Weikert)."""
     to = int(pick(r, [a for a in w.machine.axes if a != ax]))
     k, seen = r.uniform(0.15, 0.5) * pick(r, [-1.0, 1.0]), any(q.outside for q in w.recs)
 

@@ -7,8 +7,8 @@ axes; approach to a level with one time constant), ASME B5.54 (drift tests), Bry
 Steinmeyer's notes on the heating of screws (12e-6 per K from the fixed bearing), ISO 230-2 and
 Renishaw's manual of the XL-80 (1 um per m for each K, 3.3 hPa; dead path; alignment), Birch and
 Downs 1993 (Metrologia 30: updated Edlen equation), Estler 1985 (dead path), ISO 230-1 and Slocum
-1992 (cosine error), Butterworth 1930, Jerri and clock notes of data recorders (a wrong rate, a rate
-that changes as the recorder warms up).
+1992 (cosine error), Butterworth 1930 (Wireless Engineer 7), Vig 1992 (quartz clocks: offsets of
+rate, warm-up).
 """
 
 from __future__ import annotations
