@@ -46,7 +46,7 @@ PLANS: dict[str, list[str]] = {
     "cyclic": ["periodic"],
     "backlash": ["full_cycles", "step_cycles", "circles", "periodic", "parts"],
     "backlash_position": ["full_cycles", "full_cycles", "step_cycles", "two_lines"],
-    "windup": ["circles", "periodic", "grid_crawl"],
+    "windup": ["circles", "grid_crawl", "grid"],
     "reversal_spike": ["circles", "circles", "feeds", "grid"],
     "stick_slip": ["crawl", "grid_crawl"],
     "friction_asymmetry": FAST,
@@ -56,7 +56,7 @@ PLANS: dict[str, list[str]] = {
     "servo_mismatch": ["circles", "circles", *FAST],
     "inertia": FAST,
     "vibration": ["circles", *FAST],
-    "encoder_cyclic": ["crawl"],
+    "encoder_cyclic": ["crawl", "crawl", "feeds"],
     "screw_heat": ["axis_heat"],
     "structure_drift": ["environment", "environment", "axis_heat"],
     "spindle_growth": ["spindle"],
@@ -75,9 +75,9 @@ PLANS: dict[str, list[str]] = {
     "clock_skew": FAST,
 }
 ALIENS = [  # plans that show the aliens
-    *["warm_circles", "grid"] * 3,
-    *["feeds", "straightness", "parts"] * 2,
-    *["circles", "diagonals"],
+    *["warm_circles", "grid", "feeds"] * 3,
+    *["straightness", "parts"] * 2,
+    "diagonals",
 ]
 
 
@@ -112,12 +112,11 @@ def periodic(r: Rng, m: Machine, ax: int, poor: bool) -> Make:
 
 def two_lines(r: Rng, m: Machine, ax: int, poor: bool) -> list[Make]:
     """The same targets on two lines as far from each other as the arm's axis allows."""
-    n = 6 if poor else int(r.integers(11, 22))
-    p, side = spaced(r, m, ax, n), [a for a in m.order() if a != ax]
-    out = []
+    n, out = 6 if poor else int(r.integers(11, 22)), []
+    p = spaced(r, m, ax, n)
     for share in (0.15, 0.8):
         at = inside(m, r, 0.45, 0.55)
-        for a in side:
+        for a in m.axes:
             lo, hi = m.travel[a]
             at[a] = round(float(lo + share * (hi - lo)), 1)
         more = {"n": n, "positions": p, "at": at, "runs": 1 if poor else 3}
@@ -239,6 +238,8 @@ def visit(r: Rng, m: Machine, plan: str, suspect: str, poor: bool) -> list[Make]
     axes = [int(a) for a in r.permutation(m.axes)]
     if suspect in ("laser_air", "dead_path", "cosine"):  # a long way shows them
         axes.sort(key=lambda a: -np.ptp(m.travel[a]))
+    if suspect == "abbe":  # the axis that has most others behind it
+        axes = m.order()
     ax, some = axes[0], axes[: 1 if poor else int(r.integers(1, 3))]
     planes = [[0, 2]] if len(m.axes) == 2 else [[0, 1], [0, 2], [1, 2]]
     low, high = float(pick(r, [500, 1000])), float(pick(r, [2000, 3000, 5000]))
@@ -281,11 +282,12 @@ def experiment(r: Rng, suspect: str, masked: bool) -> tuple[Machine, list[Rec], 
         plan = "full_cycles"
     kind = str(pick(r, MILLS if plan == "parts" else [*MILLS, "slant-bed lathe", "grinder"]))
     m = draw_machine(r, masked, kind, flat=plan == "parts")
+    friction = "friction" in suspect
     drivers = {
         "load": suspect == "force_compliance" or r.random() < 0.1,
         "spindle": plan == "spindle" or r.random() < 0.1,
         "T": plan in ("axis_heat", "environment", "spindle") and r.random() < 0.9,
-        "current": plan in ("feeds", "grid", "crawl") and r.random() < 0.5,
+        "current": plan in (*FAST, "crawl") and r.random() < (0.85 if friction else 0.4),
     }
     t, recs = float(np.round(r.uniform(0, 60), 1)), []
     for i, make in enumerate(visit(r, m, plan, suspect, poor)):

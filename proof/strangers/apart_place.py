@@ -108,7 +108,7 @@ def _in_the_trace(ax: int, y: Callable[[Rec], Array], told: dict[str, float]) ->
 def signal_period(w: World, r: Rng, ax: int) -> Shape:
     """Deviation within a signal period of 0.2 to 2 mm (inductive and magnetic scales): offsets give
     its first, unlike amplitudes and phases its second harmonic (Heidenhain; Heydemann)."""
-    p, ph, k = float(pick(r, [0.2, 0.4, 1.0, 2.0])), r.uniform(0, 6.28, 2), r.uniform(0.1, 0.6)
+    p, ph, k = float(pick(r, [0.2, 0.4, 1.0, 1.0, 2.0])), r.uniform(0, 6.28, 2), r.uniform(0.1, 0.6)
 
     def y(q: Rec) -> Array:
         th = 2 * np.pi * q.pos[:, ax] / p

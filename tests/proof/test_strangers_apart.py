@@ -129,7 +129,7 @@ def test_experiments_are_acceptance_tests():
                 good[plan] += all(set(q.meta["sense"]) == {1, -1} for q in recs)
             if plan == "full_cycles":
                 good[plan] += all(q.run.max() == 5 and len(q.t) >= 110 for q in recs)
-    assert good["circles"] > 3 and good["full_cycles"] > 3
+    assert good["circles"] > 1 and good["full_cycles"] > 1
 
 
 def test_a_fourth_of_visits_is_poor():
