@@ -105,9 +105,8 @@ def periodic(r: Rng, m: Machine, ax: int, poor: bool) -> Make:
     step = lead / (r.uniform(2.6, 3.4) if poor else r.uniform(8.0, 16.0))
     n = int(r.uniform(2, 3) * lead / step) + 2
     p = np.round(lo + (hi - lo) * r.uniform(0.2, 0.6) + step * np.arange(n), 3)
-    force = {"n": n, "positions": p, "runs": 1 if poor else 2, "laser": True}
-    force |= {"pattern": "uni" if poor else "iso", "at": inside(m, r, 0.3, 0.7)}
-    return lambda t, name: targets(r, m, ax, t, name, force=force)
+    runs, pattern = (1, "uni") if poor else (2, "iso")
+    return cycles(r, m, ax, False, n=n, positions=p, runs=runs, pattern=pattern)
 
 
 def two_lines(r: Rng, m: Machine, ax: int, poor: bool) -> list[Make]:
@@ -243,8 +242,7 @@ def visit(r: Rng, m: Machine, plan: str, suspect: str, poor: bool) -> list[Make]
     ax, some = axes[0], axes[: 1 if poor else int(r.integers(1, 3))]
     planes = [[0, 2]] if len(m.axes) == 2 else [[0, 1], [0, 2], [1, 2]]
     low, high = float(pick(r, [500, 1000])), float(pick(r, [2000, 3000, 5000]))
-    hours = 1.0 if poor else r.uniform(3, 8)
-    sensor = "capacitive sensor" if plan == "spindle" else "laser interferometer"
+    watch = partial(standing, r, m, hours=1.0 if poor else r.uniform(3, 8))
     p = spaced(r, m, ax, 6 if poor else int(r.integers(9, 20)))
     all_planes = not poor and r.random() < 0.4
     many: dict[str, Callable[[], list[Make]]] = {
@@ -255,8 +253,8 @@ def visit(r: Rng, m: Machine, plan: str, suspect: str, poor: bool) -> list[Make]
         "two_lines": lambda: two_lines(r, m, ax, poor),
         "straightness": lambda: straight(r, m, ax, poor),
         "diagonals": lambda: diagonals(r, m, poor),
-        "environment": lambda: [standing(r, m, a, hours, sensor) for a in some],
-        "spindle": lambda: [standing(r, m, a, hours, sensor) for a in m.axes[-len(some) :]],
+        "environment": lambda: [watch(a, tool="laser interferometer") for a in some],
+        "spindle": lambda: [watch(a, tool="capacitive sensor") for a in m.axes[-len(some) :]],
         "axis_heat": lambda: [axis_heat(r, m, a, poor) for a in some],
         "circles": lambda: (
             circles(r, m, [low], planes, poor)
