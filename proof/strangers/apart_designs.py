@@ -9,8 +9,7 @@ axes (ISO 230-3:2020, clauses 5, 6 and 7; ASME B5.54), straightness in both dire
 (ISO 230-1:2012), positioning on two parallel lines (ISO 230-1, Annex; VDI 2617-3) and twice on one,
 the laser set up anew, parts on a CMM (ISO 10791-7), logs of a control or of a grid encoder at
 several feeds (ISO 230-4, alternative instruments; Erkorkmaz and Altintas 2001), and at a crawl.  A
-case has one to four files.  Every fourth visit is poor: few targets, one direction, one run, one
-sense, one feed (what VDI/DGQ 3441 warns of).
+case has one to four files.  Every fourth visit is poor: few targets, one way, one run, one feed.
 """
 
 from __future__ import annotations
