@@ -11,7 +11,7 @@ from .tiers import TIERS, make
 
 
 def main() -> None:
-    """python -m proof.strangers --seed S --tier T --count N -o FOLDER [--family later]."""
+    """python -m proof.strangers --seed S --tier T --count N -o FOLDER [--family apart]."""
     p = argparse.ArgumentParser(prog="proof.strangers")
     p.add_argument("--seed", default="0")
     p.add_argument("--tier", choices=[*TIERS, "all"], default="all")

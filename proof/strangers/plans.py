@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import fresh_designs, later_designs, sealed_designs, unseen_designs
+from . import apart_designs, fresh_designs, later_designs, sealed_designs, unseen_designs
 from .base import AX, Rec, Rng, pick
 from .designs import ballbar, diagonal, features, inside, targets
 from .machines import Machine, draw_machine
@@ -48,15 +48,17 @@ PLANS: dict[str, list[str]] = {
     "clock_skew": ["trace_scale", "trace_tool"],
 }
 EFFECTS = sorted(PLANS)
-MADE_FOR = {"unseen": PLANS, "later": later_designs.PLANS}  # families that try what a plan is for
+OWN = {"later": later_designs, "apart": apart_designs}  # families with experiments of their own
+# families that try what a plan is for
+MADE_FOR = {"unseen": PLANS} | {family: of.PLANS for family, of in OWN.items()}
 
 
 def experiment(
     r: Rng, suspect: str, family: str, masked: bool
 ) -> tuple[Machine, list[Rec], dict, str]:
     """Machine, files in order of time, drivers asked for, and the plan's name."""
-    if family == "later":
-        return later_designs.experiment(r, suspect, masked)
+    if family in OWN:
+        return OWN[family].experiment(r, suspect, masked)
     plan = pick(r, PLANS.get(suspect, ["laser", "long", "mix", "trace_tool", "straight", "diag"]))
     held = family == "held"
     draw = {"fresh": fresh_designs.draw, "sealed": sealed_designs.draw}.get(family)

@@ -6,6 +6,12 @@ import numpy as np
 
 from . import (  # noqa: F401
     aliens,
+    apart_aliens,
+    apart_motion,
+    apart_noise,
+    apart_place,
+    apart_servo,
+    apart_time,
     forms_motion,
     forms_place,
     forms_servo,
@@ -37,11 +43,10 @@ from . import (  # noqa: F401
 )
 from .base import AX, Case, Part, Rec, Rng, digest, observe, pick, stream
 from .hidden import ALIKE, Hidden, hide, hide_blind, peak_of, tell
-from .later_designs import ALIENS, absent
 from .machines import draw_map_error, map_error, stated
 from .noise import LATER, Noise, draw_noise
 from .oracle import Oracle
-from .plans import EFFECTS, MADE_FOR, blind, experiment
+from .plans import EFFECTS, MADE_FOR, OWN, blind, experiment
 from .registry import FAMILIES, FORMS
 from .world import World, draw_world
 from .write import machine_files, recording
@@ -75,7 +80,7 @@ MASKED = [
 
 
 def plan_names(r: Rng, tier: str, suspect: str, family: str, plan: str) -> list[list[str]]:
-    """For each hidden effect the names to try in turn; `unseen` and `later` try none that the
+    """For each hidden effect the names to try in turn; families of MADE_FOR try none that the
     experiment is not made for."""
     fits = [e for e in EFFECTS if family not in MADE_FOR or plan in MADE_FOR[family][e]]
 
@@ -118,7 +123,7 @@ def make(seed: str, tier: str, number: int, family: str = "open") -> Case:
     later = family != "open"
     # circles and long tests show most of that family's aliens
     more = ["squareness"] * 4 + ["screw_heat"] * 3 if family == "unseen" else []
-    strange = ALIENS if family == "later" else MASKED[:13] + more
+    strange = OWN[family].ALIENS if family in OWN else MASKED[:13] + more
     pools = {"masked": MASKED, "withheld": sorted(HIDDEN), "alien": strange}
     suspect = pick(rx, pools.get(tier, EFFECTS))
     spot, follow, info = "", [], {}
@@ -165,8 +170,8 @@ def make(seed: str, tier: str, number: int, family: str = "open") -> Case:
     )
     if tier == "withheld":
         hidden |= HIDDEN[suspect]
-    if family == "later":
-        hidden |= absent(rt, m, suspect)
+    if family in OWN:
+        hidden |= OWN[family].absent(rt, m, suspect)
     files, notes = machine_files(m), {}
     out_follow: dict[str, str] = {}
     for i, q in enumerate(recs + follow):

@@ -139,6 +139,7 @@ def draw_world(r: Rng, m: Machine, recs: list[Rec], family: str, drivers: dict) 
 THERMOMETERS = {  # of a family
     "unseen": ["good", "lag", "lag", "lag", "offset", "coarse"],
     "later": ["good", "good", "lag", "offset", "coarse", "coarse"],
+    "apart": ["good", "good", "good", "lag", "offset", "coarse"],
 }
 
 
