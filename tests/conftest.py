@@ -5,19 +5,19 @@ import os
 import sys
 
 import pytest
-from hypothesis import HealthCheck, settings
 
 # As the command line does, before numpy is loaded: with two threads for each of two workers the
 # diagnosis' tests took 2.2 times as long.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # Each worker, and each command that a test starts, loads what was compiled once: 14 s of a worker
-# that collects the tests, 0.2 s of each command.
+# that collects the tests, 0.2 s of each command. Before hypothesis, which is compiled here too.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
+from hypothesis import HealthCheck, settings
 
 from postproc.errors import GcompError
 from tests import slow_tests
-
-sys.dont_write_bytecode = False
 
 MOST_LINES = 4  # where and what, the line, the columns, the way out
 
