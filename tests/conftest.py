@@ -14,10 +14,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
-from hypothesis import HealthCheck, settings
+from hypothesis import HealthCheck, settings  # noqa: E402
 
-from postproc.errors import GcompError
-from tests import slow_tests
+from postproc.errors import GcompError  # noqa: E402
+from tests import slow_tests  # noqa: E402
 
 MOST_LINES = 4  # where and what, the line, the columns, the way out
 
