@@ -1,6 +1,7 @@
 """The laws draw the same examples in every run; GCOMP_FUZZ=1 draws new ones, to look for what
 nobody thought of."""
 
+import gc
 import os
 import sys
 
@@ -39,6 +40,18 @@ def pytest_configure(config):
     if hasattr(config.option, "loadscopereorder"):
         # else pytest-xdist begins with the files of most tests, and ends with the longest tests
         config.option.loadscopereorder = False
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """What was loaded by its end stays: the collector of garbage looks at it neither now nor later
+    (0.9 s of a worker, then a twentieth of the time of the tests)."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.freeze()
 
 
 def pytest_collection_modifyitems(items):
