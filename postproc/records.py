@@ -9,6 +9,7 @@ fields (0.1 ms a class) when it is first asked.
 from __future__ import annotations
 
 from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, field
+from operator import attrgetter
 from typing import Any, TypeVar, cast, dataclass_transform
 
 Class = TypeVar("Class", bound=type)
@@ -49,6 +50,8 @@ def _with(cls: Class, more: dict[str, Any]) -> Class:
         "_order": tuple(names),
         "_defaults": getattr(cls, "_defaults", {}) | defaults,
         "_makers": getattr(cls, "_makers", {}) | makers,
+        # a tuple of all values; with one name or none, attrgetter gives no tuple
+        "_read": attrgetter(*names) if len(names) > 1 else None,
     }
     for name, value in (shared | more).items():
         setattr(cls, name, value)
@@ -113,7 +116,11 @@ def _frozen(self: Any, name: str, value: object = None) -> None:
 
 
 def _values(self: Any) -> tuple[Any, ...]:
-    return tuple(getattr(self, name) for name in self._names)
+    read = self._read
+    values: tuple[Any, ...] = (
+        read(self) if read else tuple(getattr(self, name) for name in self._names)
+    )
+    return values
 
 
 def _equal(self: Any, other: object) -> bool:

@@ -233,6 +233,12 @@ REFUSED = {
         "travel = [-5.0, 520.0]",
         ("axis Z", "w-b-X-t"),
     ),
+    "no velocity": (
+        "max_velocity = 10000.0",
+        "max_velocity = 0.0",
+        "max_velocity",
+        ("max_velocity = 0.0 is not above zero",),
+    ),
     "no TOML": ("[-5.0, 175.0]", "[-5.0, 175.0]]", "175.0]]", ("not valid TOML",)),
     "a key twice": ("title   =", 'name = "b"\ntitle =', 'name = "b"', ("not valid TOML",)),
 }

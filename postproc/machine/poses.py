@@ -21,7 +21,7 @@ from postproc.errors import MachineError
 from postproc.machine import face
 from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.model import Machine
-from postproc.machine.rotary import SINGULAR, rotation
+from postproc.machine.rotary import SINGULAR, cross, rotation
 from postproc.spaces import Space
 
 
@@ -170,7 +170,7 @@ def _turns_to(machine: Machine, normal: np.ndarray) -> list[tuple[float, ...]]:
         return _about_to(ways[0], tool, normal)
     first, second = ways
     along = tool - second * (second @ tool)
-    across = np.cross(second, tool)
+    across = cross(second, tool)
     lifted = second * (second @ tool)
     size, phase = np.hypot(first @ along, first @ across), np.arctan2(first @ across, first @ along)
     rest = (first @ normal - first @ lifted) / size if size > ONE else 2.0
@@ -192,7 +192,7 @@ def _about_to(axis: np.ndarray, one: np.ndarray, other: np.ndarray) -> list[tupl
         return []
     if np.linalg.norm(flat[0]) < ONE:
         return [(0.0,)]
-    return [(float(np.degrees(np.arctan2(axis @ np.cross(*flat), flat[0] @ flat[1]))),)]
+    return [(float(np.degrees(np.arctan2(axis @ cross(*flat), flat[0] @ flat[1]))),)]
 
 
 def with_length(machine: Machine, length: np.ndarray) -> Machine:

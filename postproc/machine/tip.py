@@ -23,6 +23,7 @@ from postproc.machine import poses
 from postproc.machine.bounds import Bounds
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
+from postproc.machine.rotary import cross
 from postproc.records import record
 from postproc.spaces import Space
 
@@ -124,7 +125,7 @@ def tool_directions(machine: Machine, slides: np.ndarray, approach: np.ndarray) 
     """(3, N) the tool's actual direction in the part, away from it, at commanded slide positions
     (A, N)."""
     tool = poses.axes_of(machine, slides)[1]
-    actual: np.ndarray = tool + np.cross(machine.carried(slides, approach)[1], tool, axis=0)
+    actual: np.ndarray = tool + cross(machine.carried(slides, approach)[1], tool)
     return actual
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
 from postproc.machine.poses import axes_of
+from postproc.machine.rotary import cross
 from postproc.machine.tip import TipMachine, tool_directions
 from postproc.motions import FREE, HOLE, RAPID, SPLINE, Motions
 from postproc.nc.beside_corrected import LIMIT
@@ -357,7 +358,7 @@ class Verifier(Figures):
             base = machine.base if isinstance(machine, TipMachine) else machine
             slides = self.machines.slides(run, row[of], command[:, of])
             actual[:, of] = tool_directions(base, slides, weight[:, of] * self.follows)
-        lean = np.linalg.norm(np.cross(should, actual, axis=0), axis=0)
+        lean = np.linalg.norm(cross(should, actual), axis=0)
         worst = int(np.argmax(lean))
         if lean[worst] > into.lean:
             into.lean, into.lean_line = float(lean[worst]), int(line[owner[worst]])

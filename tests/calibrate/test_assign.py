@@ -132,3 +132,10 @@ def test_rows_that_do_not_say_their_direction_are_not_used_in_silence():
     result = calibrate([recording], Options(parse("w-b-Z-X-t")))
     assert any("of 1 of its readings" in f.message for f in result.findings)
     assert result.components["EZZ"].filled == ((0, 0),)
+
+
+def test_without_a_column_of_the_direction_the_reversal_is_said_to_be_unknown():
+    whole = targets({"Z": Q}, {"Z": 1.0}, "displacement")
+    less = {name: column for name, column in whole.columns.items() if name != "approach_Z"}
+    said = assign(replace(whole, columns=less)).notices
+    assert [s for s in said if "no column approach_Z" in s] and not assign(whole).notices

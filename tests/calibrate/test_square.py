@@ -8,6 +8,7 @@ import pytest
 from pytest import approx
 
 from postproc.calibrate import CalibrationError, Options, square
+from postproc.calibrate.first import u_of_diagonals
 from postproc.calibrate.run import calibrate
 from postproc.machine.chain import parse
 from postproc.recordings import Recording
@@ -263,3 +264,15 @@ def test_axes_of_a_mill_are_named_as_usual_and_as_the_user_wants():
         for n in ("EXY", "EYX")
     ]
     assert list(calibrate(parts, Options(MILL)).squareness) == ["C0Y"]
+
+
+def test_u_of_two_diagonals_is_that_of_their_formula_by_differences():
+    """JCGM 100, 5.1.2, of a frame so oblique that the sides count, too."""
+    lengths, step = np.array([520.0, 480.0, 400.0, 300.0]), 1e-3
+
+    def skew(x):
+        return (x[0] ** 2 - x[1] ** 2) / (4 * x[2] * x[3])
+
+    slopes = [(skew(lengths + d) - skew(lengths - d)) / (2 * step) for d in step * np.eye(4)]
+    found = u_of_diagonals(520.0, 480.0, (400.0, 300.0), 0.01)
+    assert found == approx(0.01 * np.linalg.norm(slopes), rel=1e-6)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pytest import approx
@@ -119,6 +121,16 @@ def test_noise_alone_is_no_outlier(runs):
         data = recording(rng, two_axes(rng)["Z"], "EZZ", {"X": 0.0}, runs=runs)
         series = assign(data)
         assert not outliers.find(series, cells_of(series.position, series.approach, series.reading))
+
+
+def test_below_an_instrument_s_noise_a_slip_of_twice_its_uncertainty_is_found():
+    """Five runs that agree better than the stated u: a tenth of it is taken for their scatter."""
+    rng = np.random.default_rng(3)
+    data = recording(rng, two_axes(rng)["Z"], "EZZ", {"X": 0.0}, runs=5, noise=0.0)
+    data.columns["reading_um"][40] += 2.0
+    series = replace(assign(data), u=1.0 * UM)
+    found = outliers.find(series, cells_of(series.position, series.approach, series.reading))
+    assert [o.row for o in found] == [40]
 
 
 def test_a_bump_that_both_directions_show_is_the_machine():

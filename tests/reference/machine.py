@@ -33,11 +33,12 @@ UNIT = {
 TRANSLATIONS, ROTATIONS = "XYZ", "ABC"
 UM = 1e-3  # mm
 URAD = 1e-6  # rad
+IDENTITY = np.eye(4)
 
 
 def translation(vector):
     """The 4 x 4 transform that moves by `vector`, mm."""
-    matrix = np.eye(4)
+    matrix = IDENTITY.copy()
     matrix[:3, 3] = vector
     return matrix
 
@@ -45,7 +46,7 @@ def translation(vector):
 def rotation(vector):
     """The 4 x 4 transform that turns about `vector` by its length in rad (Rodrigues; exact, no
     order of axes)."""
-    matrix = np.eye(4)
+    matrix = IDENTITY.copy()
     angle = math.sqrt(sum(float(v) ** 2 for v in vector))
     if angle == 0.0:
         return matrix

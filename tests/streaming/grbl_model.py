@@ -57,6 +57,7 @@ KNOWN_G = {
 }
 WORK = ("G54", "G55", "G56", "G57", "G58", "G59")
 IDLE, RUN, HOLD, ALARM, CHECK, HOME = "Idle", "Run", "Hold", "Alarm", "Check", "Home"
+NEVER, REALTIME = math.inf, b"?!~\x18"
 SEGMENTS, SEGMENT_S = 5, 0.01
 EEPROM_S, PARSE_S, READ_S, HOMING_S = 0.020, 0.0006, 0.00001, 3.0
 
@@ -151,20 +152,18 @@ class GrblModel:
     def advance(self, now: float) -> None:
         """Let everything happen that happens up to `now`, in order."""
         while True:
-            arrives = self._wire[0][0] if self._wire else float("inf")
+            self._texts(now)
+            arrives = self._wire[0][0] if self._wire else NEVER
             acts = self._next()
             ends = (
                 self._planned + self._planner[0][0]
                 if self._planner and self.state == RUN
-                else float("inf")
+                else NEVER
             )
             when = min(arrives, acts, ends)
             if when > now:
                 break
-            if when != ends and self._is_text(when == arrives):
-                self.now = max(when, self.now)  # the motors do not care
-            else:
-                self._move(max(when, self.now))
+            self._move(max(when, self.now))
             if when == ends:
                 continue
             if when == arrives:
@@ -173,23 +172,46 @@ class GrblModel:
                 self._act()
         self._move(now)
 
-    def _is_text(self, arrives: bool) -> bool:
-        """Whether what comes next is a character within a line, that arrives or is read: nearly
-        everything that happens is."""
+    def _texts(self, now: float) -> None:
+        """Characters within lines that arrive or are read up to `now`, before anything else
+        happens: nearly all that happens is these, and the motors do not care."""
         if self.state not in (RUN, IDLE):
-            return False
-        if arrives:
-            value = self._wire[0][1]
-            return value < 0x80 and value not in b"?!~\x18"
-        return not self._pending and self._rx[0] not in b"\r\n"
+            return
+        wire, rx, waits = self._wire, self._rx, self._pending is not None
+        ends = self._planned + self._planner[0][0] if self._planner and self.state == RUN else NEVER
+        acts = self._next()  # does not change while a line waits
+        at, ready = self.now, self._ready
+        while True:
+            if not waits:
+                acts = max(ready, at) if rx else NEVER
+            arrives = wire[0][0] if wire else NEVER
+            when = arrives if arrives <= acts else acts
+            if when > now or when >= ends:
+                break
+            if when == arrives:
+                value = wire[0][1]
+                if value in REALTIME or value >= 0x80:
+                    break
+                wire.popleft()
+                at = max(when, at)
+                if at < self._deaf or len(rx) >= self.rx_size:
+                    self.dropped += 1
+                else:
+                    rx.append(value)
+                    self.peak = max(self.peak, len(rx))
+            elif waits or rx[0] in b"\r\n":
+                break
+            else:
+                at = max(when, at)
+                self._line.append(rx.popleft())
+                ready = at + READ_S
+        self.now, self._ready = at, ready
 
     def _arrive(self, value: int) -> None:
         if self.now < self._deaf:
-            if value in b"?!~\x18":
-                self.dropped_realtime += 1
-            else:
-                self.dropped += 1
-        elif value in b"?!~\x18" or value >= 0x80:
+            self.dropped_realtime += value in REALTIME
+            self.dropped += value not in REALTIME
+        elif value in REALTIME or value >= 0x80:
             self._realtime(value)
         elif len(self._rx) >= self.rx_size:
             self.dropped += 1

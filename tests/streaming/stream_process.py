@@ -21,6 +21,8 @@ from tests.streaming.pty_host import PtyHost  # noqa: E402
 ROOT = Path(__file__).resolve().parents[2]
 MILL = ("--machine", "example-mill", "--dialect", "grbl")
 PATIENCE = 60.0  # s
+# What asks a late one who it is, line by line: Marlin's begins with an empty one.
+ASKS = {row.strip().upper() for poke in protocols.pokes() for row in poke.decode().split("\n")}
 
 
 def program(n: int = 60, feed: int = 3000) -> str:
@@ -100,8 +102,7 @@ def wire_rows(place: Path, name: str = "job.nc", *more: str) -> list[str]:
 
 def sent_rows(host: PtyHost) -> list[str]:
     """Without orders to the controller, and without what asks a late one who it is."""
-    asks = [poke.decode().strip().upper() for poke in protocols.pokes()]
-    return [row for row in host.model.received if row not in asks and not row.startswith("$")]
+    return [row for row in host.model.received if row not in ASKS and not row.startswith("$")]
 
 
 @contextlib.contextmanager

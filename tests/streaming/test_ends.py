@@ -6,6 +6,7 @@ from __future__ import annotations
 import pytest
 
 from postproc.streaming.endings import stopped
+from postproc.streaming.limits import AGAIN
 from postproc.streaming.lines import WireLine
 from postproc.streaming.protocols.marlin import Marlin
 from postproc.streaming.sender import HALTING, HELD, Sender
@@ -38,6 +39,28 @@ def test_the_spindle_stops_when_the_machine_stands_and_not_while_it_brakes():
     assert SPINDLE_STOP not in sender.urgent_out() and sender.outcome is None
     sender.receive(b"<Hold:0|MPos:0.600,0.000,0.000|FS:0,0>\r\n", 0.3)
     assert SPINDLE_STOP in sender.urgent_out()
+
+
+@pytest.mark.parametrize(("spindle_off", "state"), [(False, "Hold:0"), (True, "Idle")])
+def test_the_spindle_stops_in_a_hold_alone_and_where_it_is_asked_for(spindle_off, state):
+    sender = refused_line(spindle_off=spindle_off)
+    sender.receive(f"<{state}|MPos:0.600,0.000,0.000|FS:0,0>\r\n".encode(), 0.3)
+    assert SPINDLE_STOP not in sender.urgent_out()
+
+
+@pytest.mark.parametrize("reports", [True, False])
+def test_the_first_line_waits_for_a_report_of_where_the_machine_stands(reports):
+    """Where the path is watched; but no longer than a report may take."""
+    sender = new_sender(GrblModel(), watched=True)
+    sender.give([WireLine(1, 1, 0, b"G1X1F100", (1.0, 0.0, 0.0))])
+    left = {}
+    for k in range(40):
+        now = 10.0 + 0.05 * k
+        if reports and k == 2:
+            sender.receive(b"<Idle|MPos:0.000,0.000,0.000|FS:0,0>\r\n", now)
+        sender.tick(now)
+        left |= {sender.bytes_out(): now}
+    assert left[b"G1X1F100\n"] == pytest.approx(10.1 if reports else 10.0 + AGAIN, abs=0.06)
 
 
 def test_a_stop_by_the_user_counts_more_than_the_end_that_was_under_way():

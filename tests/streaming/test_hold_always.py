@@ -12,12 +12,15 @@ import signal
 import subprocess
 import sys
 import termios
+import threading
 import time
 
 import pytest
 
 pty = pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 
+from postproc.commands.stream.port import Port  # noqa: E402
+from postproc.commands.stream.signals import Signals  # noqa: E402
 from postproc.streaming import journal  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
 from tests.streaming.stream_process import MILL, PATIENCE, ROOT, model, program, sent_rows  # noqa: E402
@@ -92,7 +95,7 @@ def until(what, process: subprocess.Popen) -> None:
         if time.monotonic() > deadline or process.poll() is not None:
             process.kill()
             raise AssertionError(process.communicate())
-        time.sleep(0.001)
+        time.sleep(0.005)
 
 
 def at_hold(host: PtyHost) -> float:
@@ -102,7 +105,7 @@ def at_hold(host: PtyHost) -> float:
         for when, value in list(host.times):
             if value == HOLD:
                 return when
-        time.sleep(0.001)
+        time.sleep(0.005)
     raise AssertionError("there was no hold")
 
 
@@ -139,6 +142,28 @@ def often(once, folder) -> None:
             break
     print(f"\n! after {' '.join(f'{1000 * t:.1f}' for t in took)} ms")
     assert min(took) <= SOON and max(took) < 1.0
+
+
+def test_a_signal_ends_the_wait_for_the_port():
+    """Python waits on behind a signal's handler (PEP 475): the hold left up to 20 ms late."""
+    master, slave = os.openpty()
+    before = signal.set_wakeup_fd(-1)
+    with Signals().caught() as signals:
+        port = Port(os.ttyname(slave), 115200)
+        port.wakes = signals.wakes
+        threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGUSR1)).start()
+        begun = time.monotonic()
+        assert port.read(PATIENCE) == b"" and signals.resumes == 1
+        assert time.monotonic() - begun < PATIENCE / 2
+        begun = time.monotonic()
+        assert port.read(0.05) == b""  # the signal is told once
+        assert time.monotonic() - begun >= 0.05
+        os.write(master, b"ok")
+        assert port.read(PATIENCE) == b"ok"
+        port.close()
+    assert signal.set_wakeup_fd(before) == -1
+    os.close(master)
+    os.close(slave)
 
 
 @pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGHUP, signal.SIGTSTP])

@@ -10,7 +10,7 @@ import pytest
 
 pty = pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 
-from postproc.streaming import journal  # noqa: E402
+from postproc.streaming import journal, protocols  # noqa: E402
 from tests.streaming.bench import Faults  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
 from tests.streaming.stream_process import (  # noqa: E402
@@ -107,6 +107,16 @@ def test_a_line_s_number_is_no_proof_of_the_zero(place):
             place, host, "job.nc", "--resume-from", "30", "--yes", "--zero-is-right"
         )
         assert status == 0, err
+
+
+def test_what_asks_a_late_controller_is_no_row_of_the_job():
+    """Marlin's question begins with an empty line, which a GRBL that greets late receives, too."""
+    with PtyHost(model()) as host:
+        for poke in protocols.pokes():
+            host.press(poke)
+        assert host.soon(lambda: "M115" in host.model.received and host.read_all())
+        assert host.soon(lambda: "VERSION" in host.model.received)
+        assert "" in host.model.received and sent_rows(host) == []
 
 
 def test_a_flaky_link_is_no_success(place):

@@ -55,6 +55,7 @@ def run(options: argparse.Namespace) -> int:
     )  # fmt: skip
     try:
         with Signals().caught() as signals:
+            port.wakes = signals.wakes
             greeting = _greeted(port, options, signals)
             assert greeting.protocol is not None
             from postproc.streaming import live as lives

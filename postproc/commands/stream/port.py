@@ -6,6 +6,7 @@ from __future__ import annotations
 import contextlib
 import re
 import select
+import socket
 import time
 from typing import Any
 
@@ -32,8 +33,10 @@ class Port:
     how much.
 
     frame: data bits, parity (E, O, N) and stop bits. rtscts: whether the RTS and CTS wires say when
-    bytes may leave.
+    bytes may leave. wakes: what ends a read when it becomes readable: a signal has come.
     """
+
+    wakes: socket.socket | None = None
 
     def __init__(
         self,
@@ -89,7 +92,7 @@ class Port:
         """Whatever has come, after `timeout` s at most."""
         try:
             if self._fd is not None:
-                if not select.select([self._fd], [], [], timeout)[0]:
+                if not self._readable(self._fd, timeout):
                     return b""
             else:
                 if timeout < LOOK and not self._port.in_waiting:
@@ -104,6 +107,15 @@ class Port:
         if not data and self._fd is not None:  # readable, and nothing there: hung up
             raise Lost("the device is gone")
         return data
+
+    def _readable(self, fd: int, timeout: float) -> bool:
+        """Whether something has come within `timeout` s, or until a signal came."""
+        wakes = self.wakes
+        waits: list[Any] = [fd] if wakes is None else [fd, wakes]
+        ready = select.select(waits, [], [], timeout)[0]
+        if wakes is not None and wakes in ready:
+            wakes.recv(64)
+        return fd in ready
 
     def write(self, data: bytes) -> int:
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import signal
+import socket
 from collections.abc import Callable, Iterator
 
 STOPS = ("SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK")
@@ -17,9 +18,11 @@ class Interrupted(BaseException):
 class Signals:
     """presses: of Ctrl-C; holds: of Ctrl-Z, which shall not leave a machine moving with nobody at
     its wire; resumes: SIGUSR1; ends: which signal ends the job, "" none. at_once: what is to be
-    done when one comes before a job runs; None: they are counted alone."""
+    done when one comes before a job runs; None: they are counted alone. wakes: readable once one
+    has come, for a wait that would go on behind its handler (PEP 475)."""
 
     def __init__(self) -> None:
+        self.wakes: socket.socket | None = None
         self.presses = self.holds = self.resumes = 0
         self.ends = ""
         self.at_once: Callable[[str], None] | None = None
@@ -40,11 +43,16 @@ class Signals:
                 continue
             with contextlib.suppress(ValueError):
                 old[number] = signal.signal(number, self._handler(name, what))
-        try:
-            yield self
-        finally:
-            for number, handler in old.items():
-                signal.signal(number, handler)
+        self.wakes, end = socket.socketpair()
+        with self.wakes, end:
+            before = _woken_by(end)
+            try:
+                yield self
+            finally:
+                if before is not None:
+                    signal.set_wakeup_fd(before)
+                for number, handler in old.items():
+                    signal.signal(number, handler)
 
     def _handler(self, name: str, what: str) -> Callable:
         def handler(number, frame) -> None:
@@ -56,3 +64,12 @@ class Signals:
                 self.at_once(WORDS.get(name, name))
 
         return handler
+
+
+def _woken_by(end: socket.socket) -> int | None:
+    """Let each signal write a byte there; the file that was written before. None: this is a thread,
+    which no signal reaches."""
+    end.setblocking(False)
+    with contextlib.suppress(ValueError):
+        return signal.set_wakeup_fd(end.fileno(), warn_on_full_buffer=False)
+    return None

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 from postproc.nc.codes import code_number
 from postproc.nc.grammar import Grammar
@@ -25,12 +26,12 @@ _STRING = re.compile(rb"(?<![A-Za-z0-9_])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\"
 _HIDDEN = b"\x01"  # in place of a comment's characters: no number goes on behind it
 _HELD = rb"(?P<held>AC|IC)[ \t]*\([ \t]*(?P<inner>" + _NUMBER + rb")[ \t]*\)"
 _BLANK = b" \t\r"
+_BETWEEN = _BLANK + _HIDDEN  # words
 LARGEST = 1e9  # a greater number is none that a control reads
 LONGEST_WORD = 100  # characters; a longer one is no number that a control reads
 
 
-@dataclass(frozen=True)
-class Word:
+class Word(NamedTuple):
     """`letter` in capitals (a whole name for CR=, AP=; a keyword such as ROT has no `value`), the
     number as it is written (`raw`), its place in the text, and for X=IC(5) the mode "IC" or
     "AC"."""
@@ -43,9 +44,17 @@ class Word:
     mode: str = ""
 
 
+class _Patterns(NamedTuple):
+    """What a comment is, a word, and what holds no words of a motion, though it looks like
+    some."""
+
+    comment: re.Pattern[bytes]
+    word: re.Pattern[bytes]
+    ignored: tuple[re.Pattern[bytes], ...]
+
+
 @lru_cache
-def _patterns(grammar: Grammar) -> tuple[re.Pattern[bytes], re.Pattern[bytes]]:
-    """What a comment is, and what a word is."""
+def _patterns(grammar: Grammar) -> _Patterns:
     comments = [rb"\([^()\n]*\)"] if grammar.parentheses else []
     if grammar.semicolon == "comment":
         comments.append(rb";[^\n]*")
@@ -63,24 +72,19 @@ def _patterns(grammar: Grammar) -> tuple[re.Pattern[bytes], re.Pattern[bytes]]:
     if not grammar.assigns:
         name = rb"(?P<name>(?!))(?P<held>(?!))(?P<inner>(?!))(?P<assigned>(?!))|"
     word = rb"(?P<letter>[A-Za-z])[ \t]*(?P<number>" + _NUMBER + rb")"
-    return re.compile(b"|".join(comments) or rb"(?!)"), re.compile(
-        keyword + name + word, re.IGNORECASE
-    )
-
-
-@lru_cache
-def _ignored(grammar: Grammar) -> tuple[re.Pattern[bytes], ...]:
-    """What holds no words of a motion, though it looks like some."""
     ignored = [re.compile(text.encode(), re.IGNORECASE) for text in grammar.ignores]
-    return (*ignored, _STRING) if grammar.assigns else tuple(ignored)
+    return _Patterns(
+        re.compile(b"|".join(comments) or rb"(?!)"),
+        re.compile(keyword + name + word, re.IGNORECASE),
+        (*ignored, _STRING) if grammar.assigns else tuple(ignored),
+    )
 
 
 def blocks(text: bytes, grammar: Grammar) -> list[bytes]:
     """The blocks of a line: one, or several where the semicolon ends them."""
     if grammar.semicolon != "end of block" or b";" not in text:
         return [text]
-    comment, _ = _patterns(grammar)
-    hidden = comment.sub(lambda m: _HIDDEN * len(m[0]), text)
+    hidden = _patterns(grammar).comment.sub(lambda m: _HIDDEN * len(m[0]), text)
     cuts = [i for i, c in enumerate(hidden) if c == ord(";")]
     parts = [
         text[a:b] for a, b in zip([0, *(c + 1 for c in cuts)], [*cuts, len(text)], strict=True)
@@ -101,16 +105,16 @@ class Block:
     @staticmethod
     def of(text: bytes, grammar: Grammar) -> Block:
         """Cut a block into words. Never raises."""
-        comment, word = _patterns(grammar)
+        comment, word, ignored = _patterns(grammar)
         hidden = comment.sub(lambda m: _HIDDEN * len(m[0]), text)
-        for pattern in _ignored(grammar):
+        for pattern in ignored:
             hidden = pattern.sub(lambda m: _HIDDEN * len(m[0]), hidden)
         words, at, plain = [], 0, True
-        skip = hidden.lstrip(_BLANK + _HIDDEN).startswith(b"/")
+        skip = hidden.lstrip(_BETWEEN).startswith(b"/")
         if skip:
             at = hidden.index(b"/") + 1
         while at < len(hidden):
-            if hidden[at] in _BLANK + _HIDDEN:
+            if hidden[at] in _BETWEEN:
                 at += 1
                 continue
             found = word.match(hidden, at)
@@ -201,11 +205,9 @@ def without(block: Block, letters: str) -> Block:
 
 
 def _word(found: re.Match[bytes]) -> Word:
-    part = found.groupdict()
-    if part["keyword"]:
-        return Word(part["keyword"].decode().upper(), None, "", *found.span())
-    raw = next(part[k] for k in ("inner", "assigned", "number") if part[k] is not None)
-    raw = raw.translate(None, _BLANK)
-    letter = (part["name"] or part["letter"]).decode().upper()
-    mode = part["held"].decode().upper() if part["held"] else ""
-    return Word(letter, float(raw), raw.decode(), *found.span(), mode)
+    keyword, name, held, inner, assigned, letter, number = found.groups()
+    if keyword:
+        return Word(keyword.decode().upper(), None, "", *found.span())
+    raw: bytes = (number or inner or assigned).translate(None, _BLANK)
+    mode = held.decode().upper() if held else ""
+    return Word((name or letter).decode().upper(), float(raw), raw.decode(), *found.span(), mode)

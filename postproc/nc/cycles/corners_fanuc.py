@@ -13,7 +13,6 @@ refused here.
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from typing import ClassVar
 
 from postproc.nc.cycles.block import Block, Word
@@ -96,7 +95,7 @@ class FanucCorners(Corners):
             if word.letter in "IK":
                 one_way(scene, word, [w.letter for w in block.words])
                 sign = "-" * word.raw.startswith("-")
-                self.own = replace(self.own, letter=word.letter + sign)
+                self.own = self.own._replace(letter=word.letter + sign)
         return Block.of(block.written(out, self._by_angle(block, names)), scene.dialect.grammar)
 
     def _by_angle(self, block: Block, names: tuple[str, ...]) -> bytes:
