@@ -60,6 +60,7 @@ class Batch(Columns):
         self.arc_of.fill(-1)
         self.arc_of[arcs.motion] = np.arange(len(arcs))
         self.motion, self.t0, self.t1 = whole = np.arange(len(m)), np.zeros(len(m)), np.ones(len(m))
+        self.begin_nominal, self.end_nominal, self.passed = in_mm(m.start), in_mm(m.target), None
         self.tip = isinstance(self.machine, TipMachine)
         if self.c.follows:
             self.motion, self.t0, self.t1 = turning.divided(self)
@@ -68,9 +69,8 @@ class Batch(Columns):
         motion, t0, t1 = self.motion, self.t0, self.t1
         self.undivided = motion is whole[0]
         self.last = t1 == ONE
-        if self.undivided:
-            self.begin_nominal, self.end_nominal = in_mm(m.start), in_mm(m.target)
-        else:
+        if not self.undivided:
+            self.passed = None
             self.begin_nominal = self.nominal(motion, t0)
             self.end_nominal = self.nominal(motion, t1)
         self.code = code = self.of(m.code)

@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from postproc.compensate import nodes
 from postproc.compensate.approach import Sides
 from postproc.compensate.arcs import points
 from postproc.compensate.known import known
@@ -30,6 +31,7 @@ class Columns:
     begin_nominal: np.ndarray
     end_nominal: np.ndarray
     nominal_end: np.ndarray
+    passed: np.ndarray | None  # (S,) whether each passes a node, once all were asked
     last: np.ndarray
     code: np.ndarray
     moved: np.ndarray
@@ -107,6 +109,19 @@ class Columns:
                 m.arcs, self.arc_start, self.arc_target, self.arc_of[motion[on_arc]], t[on_arc]
             )
         return result
+
+    def may_bend(self, which: np.ndarray, slack: float) -> np.ndarray:
+        """(K,) whether the deviation can bend between the ends of straight strokes `which` (K,), in
+        order: at a node, or by product terms, which bend it by `slack` mm at least. What all pass
+        is looked up once."""
+        begin, end, clamped = self.begin_nominal, self.end_nominal, self.c.outside == "clamp"
+        if len(which) == begin.shape[1]:
+            if self.passed is None:
+                self.passed = nodes.passes(self.machine, begin, end, clamped)
+            return self.passed | self.machine.bounds.bends(begin, end, slack)
+        begin, end = begin.take(which, axis=1), end.take(which, axis=1)
+        passed = nodes.passes(self.machine, begin, end, clamped)
+        return passed | self.machine.bounds.bends(begin, end, slack)
 
     def left_alone(self) -> np.ndarray:
         """(A, S) bool: axes that stay where they were sent last: in a motion that is left as it is

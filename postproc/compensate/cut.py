@@ -147,11 +147,7 @@ def _may_be_cut(b: Batch, straight: np.ndarray) -> np.ndarray:
     chosen: np.ndarray = straight[may]
     if b.c.ramped or not len(chosen):
         return chosen
-    begin, end = b.begin_nominal, b.end_nominal
-    if len(chosen) < len(b.motion):
-        begin, end = begin.take(chosen, axis=1), end.take(chosen, axis=1)
-    bends = nodes.may_bend(b.machine, begin, end, b.c.slack, b.c.outside == "clamp")
-    chosen = chosen[bends]
+    chosen = chosen[b.may_bend(chosen, b.c.slack)]
     return chosen
 
 

@@ -107,13 +107,8 @@ def _quadrants(b: Columns) -> tuple[np.ndarray, np.ndarray]:
 def _bends(b: Columns, chosen: np.ndarray, least: float) -> np.ndarray:
     """(K,) bool: arcs, and straight motions whose correction is no straight line but for less than
     `least` mm, which is all that such a one can turn back by."""
-    m = b.m
-    start, target = (in_mm(p.take(chosen, axis=1)) for p in (m.start, m.target))
-    clamped = b.c.outside == "clamp"
-    bends: np.ndarray = (b.arc_of[chosen] >= 0) | nodes.may_bend(
-        b.machine, start, target, least, clamped
-    )
-    return bends
+    bends: np.ndarray = b.may_bend(chosen, least)
+    return bends | (b.arc_of[chosen] >= 0) if len(b.m.arcs) else bends
 
 
 def _induced(b: Columns) -> list[tuple[np.ndarray, np.ndarray]]:
