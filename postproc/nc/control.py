@@ -46,6 +46,8 @@ class Control:
             | set(dialect.letters)
             | (set("YV") if dialect.polar == "Y" and "C" in self.rows else set())
         )
+        # units and diameters to scales that hold for them (positions.py)
+        self.measures: dict[tuple[int, int], tuple[np.ndarray, ...]] = {}
         letter = {row: u for u, row in self.increment_rows.items()}
         self.spellings = [
             (x, (x, spelled(ABSOLUTE, x)), (letter.get(row, ""), spelled(RELATIVE, x)))
