@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.flags import all_of, any_of
 from postproc.records import columns
 
 MODES = ("mean", "step", "ramp", "off")
@@ -91,9 +92,9 @@ def bear(
     """
     half = (band // 2)[:, None]
     low, high = place - half, place + half
-    if np.count_nonzero(stays):
+    if any_of(stays):
         low, high = np.where(stays, -FAR, low), np.where(stays, FAR, high)
-    known = np.count_nonzero(given)
+    known = any_of(given)
     if known:
         there = place - sense * half
         low, high = np.where(given, there, low), np.where(given, there, high)
@@ -109,7 +110,7 @@ def bear(
 
 def hold_last(value: np.ndarray, given: np.ndarray, carry: np.ndarray) -> np.ndarray:
     """(A, S) the last value (A, S) that was given, or carry (A,)."""
-    if np.count_nonzero(given) == value.size:
+    if all_of(given):
         return value
     result = np.empty((len(value), value.shape[1] + 1), value.dtype)
     result[:, 0], result[:, 1:] = carry, value

@@ -13,6 +13,7 @@ from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.columns import Columns
 from postproc.compensate.increments import increments, rounded
 from postproc.compensate.inverse import command
+from postproc.flags import all_of, any_of
 from postproc.machine.tip import TipMachine
 from postproc.motions import CUTS, FREE, HOLE, RAPID, Motions
 from postproc.units import TICKS_PER_MM, in_mm, in_ticks
@@ -245,7 +246,7 @@ class Batch(Columns):
         unknown = not self.every and (
             np.count_nonzero(~known) or np.count_nonzero(~self.correctable)
         )
-        moved = np.count_nonzero(self.turning) or np.count_nonzero(self.left)
+        moved = any_of(self.turning) or any_of(self.left)
         if not (unknown or moved or held[self.rows].any() or self.leash is not None):
             self.begin = self.before
             return
@@ -260,7 +261,7 @@ class Batch(Columns):
         self.bound = self.machine.two_way[:, None] & ~self.flipped & self.sure
         if isinstance(self.machine, TipMachine):
             self.bound &= self.machine.direct[:, None]
-        if np.count_nonzero(self.c.overshoots):
+        if any_of(self.c.overshoots):
             self.bound &= ~(self.c.overshoots[:, None] & (code == RAPID))
         self.begin = self.before.copy()
         for row in range(len(self.end)):
@@ -275,10 +276,10 @@ class Batch(Columns):
             before = self.before[row]
             before[0], before[1:] = self.carry.issued[row], end[:-1]
             stood = (self.m.start_known[row].take(self.motion) & ~self.jumps[row]) | (self.t0 > 0)
-            if np.count_nonzero(stood) < len(stood):
+            if not all_of(stood):
                 before[~stood] = self._nominal_begin(row)[~stood]
             self.begin[row] = before
-            if np.count_nonzero(self.turning):
+            if any_of(self.turning):
                 taken = self._taken_up(row, before)
                 self.begin[row, taken] = self.wanted[row, taken]
 
@@ -310,7 +311,7 @@ class Batch(Columns):
         leashed = (leash < cutter.FREELY) & ~stays
         columns = onward, before, end[still], low, high, turning | leashed
         back = levels.origins(self, row) if len(self.m.holes) else {}
-        if not (back or np.count_nonzero(columns[-1])):
+        if not (back or any_of(columns[-1])):
             return resting(*columns[:-1])
         value: list[int] = []
         here, enough = 0, self.c.chord * TICKS_PER_MM
@@ -347,7 +348,7 @@ class Batch(Columns):
         cutting = self.cutting & self.known_before
         sides = np.zeros((len(rows), self.end.shape[1]), np.int64)
         rests = self.travel.take(rows, axis=0) == 0
-        at = (rests & cutting).any(axis=0).nonzero()[0] if np.count_nonzero(rests) else ()
+        at = (rests & cutting).any(axis=0).nonzero()[0] if any_of(rests) else ()
         if len(at):
             play = self.machine.lost_motion(self.begin.take(at, axis=1) / TICKS_PER_MM, rows)
             beyond = rests.take(at, axis=1) & (play < -self.c.chord)

@@ -15,6 +15,7 @@ from postproc.compensate.arcs import points
 from postproc.compensate.known import known
 from postproc.compensate.settings import Carry, Settings
 from postproc.errors import Notice
+from postproc.flags import all_of, any_of
 from postproc.motions import FEED, RAPID, Motions
 from postproc.units import TICKS_PER_MM, in_mm
 
@@ -74,9 +75,9 @@ class Columns:
         self.free = self.known & ~(motions.alone | self.places.idle)
         # (A, N) G28 has taken the axis elsewhere meanwhile
         self.jumped = motions.sent & motions.start_known
-        self.leaps = np.count_nonzero(self.jumped) > 0
+        self.leaps = any_of(self.jumped)
         # every place is known, and every motion corrected
-        self.every = self.places.every and np.count_nonzero(self.free) == len(motions)
+        self.every = self.places.every and all_of(self.free)
         # (N,) ticks commanded at the bottom of a hole
         self.bottom = np.zeros(len(motions), np.int64)
 
@@ -128,11 +129,11 @@ class Columns:
         and does not name them, and where the nominal path does not move at all."""
         m, free = self.m, self.moved
         left = self.of(m.changed)
-        if np.count_nonzero(left) or not self.every:
+        if any_of(left) or not self.every:
             left = ~(free & self.correctable) | self.of(m.changed & (m.code == RAPID))
             left &= self.of(m.word < 0)  # no rapid brings an axis back from a tool change
         rests = ~np.logical_or.reduce(self.travel, axis=0)
-        if np.count_nonzero(rests):
+        if any_of(rests):
             rests &= (self.t1 - self.t0 == 1.0) & (self.code <= FEED) & free & self.sure
             # the first feed brings an axis back from a tool change, though it goes nowhere
             rests &= (self.code == RAPID) | ~self.of(m.changed).any(axis=0)
@@ -147,7 +148,7 @@ class Columns:
         """(A, K) side of approach at places along strokes."""
         begin = self.weight_begin.take(stroke, axis=1)
         ramped = self.c.reach > 0
-        if not np.count_nonzero(ramped):
+        if not any_of(ramped):
             return begin
         reach = np.where(ramped, self.c.reach, 1)[:, None]
         way = (nominal - self.begin_nominal.take(stroke, axis=1)) * (TICKS_PER_MM / reach)

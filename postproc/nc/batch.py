@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from postproc.errors import BlockFault, Notice
+from postproc.flags import any_of
 from postproc.motions import no_presets
 from postproc.nc import codes, faults
 from postproc.nc.columns import hold_last
@@ -204,7 +205,7 @@ class Batch:
             per = scale // POWERS[np.minimum(decimals, 9)]
             most = LARGEST_WORD // np.maximum(per, 1)
         far, fine = np.abs(mantissa) > most, decimals > EXACT
-        for word in place[far & ~fine] if np.count_nonzero(far) else ():
+        for word in place[far & ~fine] if any_of(far) else ():
             text = self.words.text[self.words.start[word] : self.words.stop[word]]
             raise self.fault(
                 word,
@@ -212,7 +213,7 @@ class Batch:
                 "is a decimal point missing?",
             )
         value: np.ndarray = mantissa * per
-        for i in fine.nonzero()[0] if np.count_nonzero(fine) else ():
+        for i in fine.nonzero()[0] if any_of(fine) else ():
             over = 10 ** int(decimals[i])
             unit = int(scale.ravel()[0] if scale.size == 1 else scale[i])
             value[i] = (2 * int(mantissa[i]) * unit + over) // (2 * over)
@@ -259,7 +260,7 @@ class Batch:
         for g in (np.bincount(group[group >= 0], minlength=len(self.dialect.groups))).nonzero()[0]:
             name, of = self.dialect.groups[g], group == g
             if name == "motion":
-                if np.count_nonzero(number == 800):
+                if any_of(number == 800):
                     others = np.bincount(block[of & (number != 800)], minlength=self.n)
                     of &= (number != 800) | (others[block] == 0)  # G80 G1: G1 holds
                 number = self._back_from_cycles(number, block, of)

@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.errors import BlockFault
+from postproc.flags import any_of
 from postproc.motions import FEED, RAPID, THREAD
 from postproc.nc.lexer import Words
 from postproc.nc.writing import Writing
@@ -33,7 +34,7 @@ def kept_feeds(b: Writing) -> float:
     rows = [[i for i, x in enumerate(b.axes) if x in group] for group in GROUPS]
     stands = b.state.feed
     special = _special(b, rows)
-    if not np.count_nonzero(special) and stands != stands:
+    if not any_of(special) and stands != stands:
         return stands
     ratio = _ratios(b, rows, special)
     first = b.first.nonzero()[0]

@@ -16,6 +16,7 @@ import itertools
 import numpy as np
 
 from postproc.errors import BlockFault, Notice
+from postproc.flags import any_of
 from postproc.motions import FOREIGN, Motions, join, no_motions, no_spells
 from postproc.nc import face, frames
 from postproc.nc.arcs import Circle, arcs_of
@@ -296,10 +297,10 @@ def columns(
         return refuse_beside(b, none)
     motion = motion[block]
     code = b.dialect.kind[np.maximum(motion, 0)]
-    if np.count_nonzero(b.foreign):
+    if any_of(b.foreign):
         code[b.foreign[block]] = FOREIGN
     inverse = spread(at(b.held("feed mode"), block), len(block)) == INVERSE
-    if np.count_nonzero(inverse):
+    if any_of(inverse):
         slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
         if chr(UNTOLD) in b.places:
             unknown = inverse & np.isin(block, b.words.block[b.places[chr(UNTOLD)]])

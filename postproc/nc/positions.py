@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from postproc.flags import all_of, any_of
 from postproc.nc import lengths
 from postproc.nc.batch import DIAM90, LINEAR, NO_WORDS, AxisWords, Batch
 from postproc.nc.columns import at, hold_index, hold_last
@@ -51,7 +52,8 @@ def position(b: Batch, block: np.ndarray, axis_words: AxisWords) -> Places:
     axes = _Axes(b)
     p = axes.stand(len(block))
     moves_without_words = axes.forgets or axes.sends or axes.held or b.cycle
-    if not (len(block) or moves_without_words or any(map(len, itertools.chain(*axis_words.values())))):
+    words = itertools.chain(*axis_words.values())
+    if not (len(block) or moves_without_words or any(map(len, words))):
         return p
     axes.read(axis_words)
     axes.travel()
@@ -72,7 +74,7 @@ class _Axes:
         self.spelled = max(b.places, default="") >= chr(RELATIVE)
         self.sends = 280 in b.single or 300 in b.single
         self.sent, self.changed = _before(b, b.state.sent), _before(b, b.state.changed)
-        self.held = np.count_nonzero(self.sent | self.changed)
+        self.held = any_of(self.sent | self.changed)
 
     def stand(self, n: int) -> Places:
         """The places of `n` blocks in which nothing moves."""
@@ -94,14 +96,14 @@ class _Axes:
         blocks, and `is_inc` (K,), whether they are distances. Raises ProgramError."""
         b, w = self.b, self.b.words
         self.scale, self.grid, self.least = _measures(b)
-        self.offset = np.where(b.machine, 0, b.offset) if np.count_nonzero(b.machine) else b.offset
+        self.offset = np.where(b.machine, 0, b.offset) if any_of(b.machine) else b.offset
         self.increments = {x for x, (_, more) in axis_words.items() if len(more)}
         each = [self._words(x, *axis_words[x]) for x in b.rows]
         self.place = place = np.concatenate(each)
         self.axis = np.arange(len(each)).repeat([len(one) for one in each])
         self.by = w.block[place]
         keep = None
-        if np.count_nonzero(b.taken):
+        if any_of(b.taken):
             keep = ~b.taken[self.by]
         if b.cycle is not None:
             own = (self.axis == b.cycle.row) & b.cycle.mask[self.by]
@@ -168,10 +170,11 @@ class _Axes:
         b = self.b
         if "X" in b.rows and "diameter" in b.dialect.groups:
             half, row = b.halves("X", distances[b.rows["X"]]), b.rows["X"]
-            scales = [np.array(np.broadcast_to(c, distances.shape)) for c in (self.scale, self.grid)]
-            for column, unit in zip(scales, b.unit_scale("X"), strict=True):
+            self.scale, self.grid = (
+                np.array(np.broadcast_to(c, distances.shape)) for c in (self.scale, self.grid)
+            )
+            for column, unit in zip((self.scale, self.grid), b.unit_scale("X"), strict=True):
                 column[row] = unit // half
-            self.scale, self.grid = scales
 
     def travel(self) -> None:
         """Set `position` (A, B) behind each block and `named` (A, B), whether the block says it."""
@@ -241,10 +244,9 @@ class _Axes:
         b, cycle, was = self.b, self.b.cycle, self.b.state.known
         self.known: np.ndarray | None = None
         unsure = cycle is not None and not cycle.known
-        lapses = bool(b.dialect.length_lapses)
-        if not (self.forgets or self.sends or self.held or unsure or lapses):
-            if np.count_nonzero(was) == len(was):
-                return
+        may_lose = self.forgets or self.sends or self.held or unsure or b.dialect.length_lapses
+        if not may_lose and all_of(was):
+            return
         known = np.ones(self.named.shape, bool)
         for letter, row in b.rows.items():
             drop, lapsed = self._drop(letter, row, p, block)
@@ -258,9 +260,7 @@ class _Axes:
         if np.count_nonzero(known) < known.size:
             self.known = known
 
-    def _drop(
-        self, letter: str, row: int, p: Places, block: np.ndarray
-    ) -> tuple[np.ndarray, bool]:
+    def _drop(self, letter: str, row: int, p: Places, block: np.ndarray) -> tuple[np.ndarray, bool]:
         """(B,) where the place of an axis is lost, and whether its length lapses anywhere."""
         b, carried = self.b, letter in self.b.dialect.carried
         drop = b.foreign if carried else self.forget

@@ -11,6 +11,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from postproc.flags import any_of
 from postproc.motions import Presets
 from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.columns import changes
@@ -35,7 +36,7 @@ def offset_columns(b: Batch) -> None:
         b.reason[:] = b.because(*reason)
     if (
         b.dialect.local_is_preset
-        and np.count_nonzero(b.machine)
+        and any_of(b.machine)
         and b.frame.length[[row for x, row in b.rows.items() if x in "ABC"]].any()
     ):
         b.blame(
