@@ -79,6 +79,7 @@ class Batch:
         self.ended = state.ended
         self.live = self._live()
         self.given: dict[str, np.ndarray] = {}  # modal group to (B,) codes, NONE where not named
+        self.filled: dict[str, np.ndarray] = {}  # the same without gaps, once they were asked for
         self.single: dict[int, np.ndarray] = {}  # code without a group to its blocks
         self.code_word = np.full(self.n, -1, np.int64)  # (B,) word of the motion code
         self.reason = np.zeros(self.n, np.int64)  # (B,) index into reasons
@@ -327,11 +328,14 @@ class Batch:
         self.given["carried"] = column
 
     def held(self, group: str) -> Any:
-        """The code of a group in force at each block: (B,) where the batch names it, else one
-        number."""
+        """The code of a group in force at each block: (B,), not to be written to, where the batch
+        names it, else one number."""
         if group not in self.given:
             return self.state.codes.get(group, NONE)
-        return hold_last(self.given[group], self.state.codes.get(group, NONE))
+        if group not in self.filled:
+            self.filled[group] = hold_last(self.given[group], self.state.codes.get(group, NONE))
+            self.filled[group].flags.writeable = False
+        return self.filled[group]
 
     def after(self) -> dict[str, int]:
         """The codes in force behind the batch."""

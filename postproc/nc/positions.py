@@ -208,20 +208,20 @@ class _Axes:
         value, at = self._ticks(), self.at
         if self.due is not None and self.added:
             value = value + np.where(self.is_inc, self.due.ravel()[at], 0)
-        axis, by, run = self.axis, self.by, None
+        axis, run = self.axis, None
         if self.added:
             moved, fixed = np.zeros(self.named.shape, np.int64), ~self.is_inc
             moved.ravel()[at[self.is_inc]] = value[self.is_inc]
-            at, value, axis, by = at[fixed], value[fixed], axis[fixed], by[fixed]
+            at, value, axis = at[fixed], value[fixed], axis[fixed]
             run = moved.cumsum(axis=1)
         whole = self.offset.shape[1] == 1
-        return at, value + (self.offset.ravel().take(axis) if whole else self.offset[axis, by]), run
+        return at, value + self.offset.ravel().take(axis if whole else at), run
 
     def _ticks(self) -> np.ndarray:
         """(K,) the words in ticks."""
         b, scale = self.b, self.scale
         if scale.shape[1] > 1:
-            return b.ticks(self.place, scale[self.axis, self.by])
+            return b.ticks(self.place, scale.ravel()[self.at])
         units = scale.ravel().tolist()
         if len(set(units)) == 1:
             return b.ticks(self.place, scale[0])
@@ -368,10 +368,10 @@ def _measures(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         ):
             column.append(value)
     n = max((np.size(value) for column in scales for value in column), default=1)
-    found = tuple(
-        np.array([np.broadcast_to(value, n) for value in column], np.int64).reshape(-1, n)
-        for column in scales
-    )
+    found = tuple(np.empty((len(column), n), np.int64) for column in scales)
+    for table, column in zip(found, scales, strict=True):
+        for row, value in enumerate(column):
+            table[row] = value
     if key is not None:
         b.control.measures[key] = found
     return found
