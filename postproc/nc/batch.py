@@ -26,6 +26,7 @@ LETTERS = [np.array(c, np.uint8) for c in ANY]  # without axes: postproc.units
 UNDER = "under cycles"
 # ticks, and decimals that are exact in ticks; without axes: postproc.units
 LARGEST_WORD, EXACT = np.array(int(LARGEST_WORD_MM) * TICKS_PER_MM), np.array(9)
+Coded = tuple[np.ndarray, np.ndarray]  # (K,) words of codes, (K,) their numbers
 AxisWords = dict[str, tuple[np.ndarray, np.ndarray]]  # axis to its words, its incremental words
 NO_WORDS = np.zeros(0, np.int64)
 NO_WORDS.flags.writeable = False
@@ -66,7 +67,11 @@ def _last_digit(scale: int) -> tuple[np.ndarray, np.ndarray]:
 class Batch:
     """The columns of one batch while they are worked out."""
 
-    def __init__(self, control: Control, words: Words, state: ModalState):
+    def __init__(
+        self, control: Control, words: Words, state: ModalState, coded: Coded | None = None
+    ):
+        """coded: the words of all codes and what `written_codes` says of them, if that is known."""
+        self.coded = coded
         self.dialect, self.setup, self.rows = control.dialect, control.setup, control.rows
         self.control, self.words, self.state = control, words, state
         self.notices: list[Notice] = []
@@ -250,7 +255,10 @@ class Batch:
                 self._carried_mode()
             return
         w = self.words
-        number = written_codes(w, place)
+        if self.coded is not None and len(self.coded[0]) == len(place):  # none was left out
+            number = self.coded[1]
+        else:
+            number = written_codes(w, place)
         valid, number = number >= 0, self.dialect.meant[np.maximum(number, 0)]
         group = np.where(valid, self.dialect.group_of[number], UNKNOWN)
         bad = (group == UNKNOWN).nonzero()[0]

@@ -20,20 +20,41 @@ from postproc.nc.dialects import Dialect
 from postproc.nc.queries import at_first, unit_at_first
 from postproc.nc.rows import SECOND_REFERENCE
 from postproc.nc.state import NONE, Frame, ticks_of
-from postproc.records import replace
+from postproc.records import columns, replace
 
 EXTERNAL = "EXT"
 MOST_NAMES = 8  # of offsets that are stated, in a sentence
 
 
+@columns
+class Zero:
+    """Where the zero of absolute words lies, `offset` (A, 1) ticks, as worked out last: for this
+    frame and these offsets of the program, the code of the work offset and the tool's name."""
+
+    frame: Frame
+    offsets: dict[str, dict[str, float]]
+    work: int
+    tool: str
+    offset: np.ndarray
+
+
 def offset_columns(b: Batch) -> None:
     """`offset` (A, B) or (A, 1) ticks: where the zero of absolute words lies; unknown parts become
     reasons."""
-    before = int(b.reason[-1]) if b.n else 0
-    b.offset = work_columns(b) + b.frame.shift[:, None]
-    b.zero_known = not b.frame.unknown and not (b.n and b.reason[-1] != before)
-    for reason in b.frame.unknown.values():
-        b.reason[:] = b.because(*reason)
+    zero = b.control.zero
+    work = b.held("work offset")
+    same = zero is not None and zero.frame is b.frame and zero.offsets is b.offsets
+    tools = b.dialect.tool_offsets and "T" in b.places
+    if same and not tools and isinstance(work, int) and (work, b.tool) == (zero.work, zero.tool):
+        b.offset = zero.offset
+    else:
+        count, before = len(b.reasons), int(b.reason[-1]) if b.n else 0
+        b.offset = work_columns(b) + b.frame.shift[:, None]
+        b.zero_known = not b.frame.unknown and not (b.n and b.reason[-1] != before)
+        for reason in b.frame.unknown.values():
+            b.reason[:] = b.because(*reason)
+        if isinstance(work, int) and not tools and len(b.reasons) == count:
+            b.control.zero = Zero(b.frame, b.offsets, work, b.tool, b.offset)
     if (
         b.dialect.local_is_preset
         and any_of(b.machine)
