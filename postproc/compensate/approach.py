@@ -112,16 +112,16 @@ def hold_last(value: np.ndarray, given: np.ndarray, carry: np.ndarray) -> np.nda
     """(A, S) the last value (A, S) that was given, or carry (A,)."""
     if all_of(given):
         return value
-    result = np.empty((len(value), value.shape[1] + 1), value.dtype)
-    result[:, 0], result[:, 1:] = carry, value
-    open_ = np.zeros(result.shape, bool)
-    np.logical_not(given, out=open_[:, 1:])
+    result, open_ = value.copy(), ~given
+    np.copyto(result[:, 0], carry, where=open_[:, 0])
+    open_[:, 0] = False
     at = open_.ravel().nonzero()[0]
-    first = np.ones(len(at), bool)  # of those in a row, which all take what stands before it
-    np.not_equal(at[1:], at[:-1] + 1, out=first[1:])
-    flat = result.ravel()
-    flat[at] = flat.take(at[first] - 1).take(first.cumsum() - 1)
-    return result[:, 1:]
+    if len(at):
+        first = np.ones(len(at), bool)  # of those in a row, which all take what stands before it
+        np.not_equal(at[1:], at[:-1] + 1, out=first[1:])
+        flat = result.ravel()
+        flat[at] = flat.take(at[first] - 1).take(first.cumsum() - 1)
+    return result
 
 
 def last_way(first: np.ndarray, then: np.ndarray, carry: np.ndarray) -> np.ndarray:

@@ -218,7 +218,7 @@ class Batch(Columns):
         if self.c.mode in ("mean", "off"):
             self.turning &= ~self.sure & (self.t0 == 0) & (self.c.mode == "mean")
         else:
-            self.turning &= self.flipped.any(axis=0) | ~self.sure
+            self.turning &= np.logical_or.reduce(self.flipped, axis=0) | ~self.sure
         self.wanted = self.before
         which = self.turning.nonzero()[0]
         if not len(which):

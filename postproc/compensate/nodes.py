@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.flags import any_of
 from postproc.machine.model import Machine
 
 
@@ -48,7 +49,7 @@ def passes(machine: Machine, start: np.ndarray, target: np.ndarray, clamped: boo
     (`clamped`)."""
     result = np.zeros(start.shape[1], bool)
     # each begins where the last one ends
-    onward = start.shape[1] > 1 and not np.count_nonzero(start[:, 1:] != target[:, :-1])
+    onward = start.shape[1] == 1 or not any_of(start[:, 1:] != target[:, :-1])
     for letter, table in machine.every_table:
         row = machine.letters.index(letter)
         if onward:

@@ -134,7 +134,7 @@ class Course:
         begin.fill(NOWHERE)
         turned = ~b.sure.take(at)
         if self.couples:
-            turned |= (side != before).any(axis=0)
+            turned |= np.logical_or.reduce(side != before, axis=0)
         here = (turned & (b.cutting & b.known_before).take(at)).nonzero()[0]
         if len(here):
             there, led = at.take(here), side.take(here, axis=1)

@@ -127,7 +127,7 @@ def _induced(b: Columns) -> list[tuple[np.ndarray, np.ndarray]]:
     most = b.machine.bounds.steepest * length
     for row in b.machine.turning:
         most = np.where(way[row] > 0, np.inf, most)
-    slow = (way.take(rows, axis=0) < most).any(axis=0)
+    slow = np.logical_or.reduce(way.take(rows, axis=0) < most, axis=0)
     slow[arcs] = True
     # what a resting axis is held still by is not seen either
     least = max(b.c.hysteresis / 2, b.c.hold)
