@@ -201,19 +201,25 @@ class Batch(Columns):
         if self.leaps:
             self.before = np.where(self.jumps, self.of(m.start), self.before)
 
-    def starts(self) -> None:
-        """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start
-        may differ."""
+    @cached_property
+    def flipped(self) -> np.ndarray:
+        """(A, S) bool: two-way axes that bear otherwise where a stroke begins than behind the one
+        before."""
         first = self.carry.sides.side.astype(float)
         if self.c.ramped:
             ramped = self.c.reach > 0
             first[ramped] = self.carry.sides.taken[ramped] / self.c.reach[ramped]
         before = np.empty(self.weight_end.shape)
         before[:, 0], before[:, 1:] = first, self.weight_end[:, :-1]
-        self.flipped = before != self.weight_begin
+        flipped = before != self.weight_begin
         if len(self.c.two_way) < len(before):
-            self.flipped &= self.machine.two_way[:, None]
-        self.flipped = self.flipped | self.twice
+            flipped &= self.machine.two_way[:, None]
+        either: np.ndarray = flipped | self.twice
+        return either
+
+    def starts(self) -> None:
+        """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start
+        may differ."""
         self.turning = self.cutting & self.known_before
         if self.c.mode in ("mean", "off"):
             self.turning &= ~self.sure & (self.t0 == 0) & (self.c.mode == "mean")

@@ -119,10 +119,12 @@ class Columns:
         if len(which) == begin.shape[1]:
             if self.passed is None:
                 self.passed = nodes.passes(self.machine, begin, end, clamped)
-            return self.passed | self.machine.bounds.bends(begin, end, slack)
-        begin, end = begin.take(which, axis=1), end.take(which, axis=1)
-        passed = nodes.passes(self.machine, begin, end, clamped)
-        return passed | self.machine.bounds.bends(begin, end, slack)
+            passed = self.passed
+        else:
+            begin, end = begin.take(which, axis=1), end.take(which, axis=1)
+            passed = nodes.passes(self.machine, begin, end, clamped)
+        may_bend: np.ndarray = passed | self.machine.bounds.bends(begin, end, slack)
+        return may_bend
 
     def left_alone(self) -> np.ndarray:
         """(A, S) bool: axes that stay where they were sent last: in a motion that is left as it is

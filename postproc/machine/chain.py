@@ -33,6 +33,12 @@ OPTICS = ("tool", "workpiece")
 # axis to mm that stay, as arrays without axes, and the slides that add, per direction
 Arms = dict[str, list[tuple[np.ndarray, tuple[str, ...]]]]
 Parts = list[np.ndarray | None]  # six (N,) columns of one axis' deviations, None: zero everywhere
+# (eps x arm)_i = eps_j arm_k - eps_k arm_j: direction, rotation (3 to 5), arm, whether taken away
+TURNS = [
+    term
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+    for term in ((i, 3 + j, k, False), (i, 3 + k, j, True))
+]
 ZERO = np.array(0.0)  # without axes: postproc.units
 NO_PARTS: Parts = [None] * 6
 
@@ -162,8 +168,8 @@ class Share:
     """What one axis adds to the deviation, of which components are there: nothing is asked, made or
     added where one is missing. letter; drifts: direction and rate of its squareness; shifts: its
     translations; begins: directions in which nothing comes before its turns; arm: directions of its
-    arm that count, each with the part that stays and the slides that add; turns: direction,
-    rotation (3 to 5), arm and whether it is taken away, of each term of eps x arm."""
+    arm that count, each with the part that stays and the slides that add; turns: its own of
+    TURNS."""
 
     letter: str
     drifts: list[tuple[int, np.ndarray]]
@@ -182,11 +188,7 @@ def shares(
     for letter, stays in arms.items():
         own = live.get(letter, set())
         there = [k for k, (constant, slides) in enumerate(stays) if slides or constant]
-        turns = []
-        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-            # (eps x arm)_i = eps_j arm_k - eps_k arm_j
-            turns += [(i, 3 + j, k, False)] if 3 + j in own and k in there else []
-            turns += [(i, 3 + k, j, True)] if 3 + k in own and j in there else []
+        turns = [term for term in TURNS if term[1] in own and term[2] in there]
         arm = [(k, *stays[k]) for k in sorted({arm for _, _, arm, _ in turns})]
         drifts, shifts = leans.get(letter, []), [i for i in range(3) if i in own]
         begun |= {*shifts, *(i for i, _ in drifts)}

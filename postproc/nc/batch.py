@@ -26,26 +26,10 @@ LETTERS = [np.array(c, np.uint8) for c in ANY]  # without axes: postproc.units
 UNDER = "under cycles"
 # ticks, and decimals that are exact in ticks; without axes: postproc.units
 LARGEST_WORD, EXACT = np.array(int(LARGEST_WORD_MM) * TICKS_PER_MM), np.array(9)
-Coded = tuple[np.ndarray, np.ndarray]  # (K,) words of codes, (K,) their numbers
 AxisWords = dict[str, tuple[np.ndarray, np.ndarray]]  # axis to its words, its incremental words
 NO_WORDS = np.zeros(0, np.int64)
 NO_WORDS.flags.writeable = False
 DIAM90 = codes.code_number("DIAM90")  # X is a diameter under G90, a radius under G91
-
-
-def written_codes(w: Words, place: np.ndarray) -> np.ndarray:
-    """(n,) ten times the number behind each G, KEYWORD and more for keywords; -1 for what no code
-    can be."""
-    mantissa, decimals = w.mantissa[place], w.decimals[place]
-    number: np.ndarray = mantissa * 10
-    if np.count_nonzero(decimals):
-        power = 10 ** np.minimum(decimals, 17)
-        number = np.where(decimals > 0, number // power, number)
-        number = np.where((decimals < 18) & (number * power == mantissa * 10), number, -1)
-    number[(number < 0) | (number >= codes.KEYWORD)] = -1
-    keyword = w.letter[place] == KEYWORD_LETTER
-    number[keyword] = codes.KEYWORD + mantissa[keyword]
-    return number
 
 
 @lru_cache
@@ -68,9 +52,9 @@ class Batch:
     """The columns of one batch while they are worked out."""
 
     def __init__(
-        self, control: Control, words: Words, state: ModalState, coded: Coded | None = None
+        self, control: Control, words: Words, state: ModalState, coded: codes.Coded | None = None
     ):
-        """coded: the words of all codes and what `written_codes` says of them, if that is known."""
+        """coded: the words of all codes and what `codes.written` says of them, if that is known."""
         self.coded = coded
         self.dialect, self.setup, self.rows = control.dialect, control.setup, control.rows
         self.control, self.words, self.state = control, words, state
@@ -255,10 +239,7 @@ class Batch:
                 self._carried_mode()
             return
         w = self.words
-        if self.coded is not None and len(self.coded[0]) == len(place):  # none was left out
-            number = self.coded[1]
-        else:
-            number = written_codes(w, place)
+        number = codes.written(w, place, self.coded)
         valid, number = number >= 0, self.dialect.meant[np.maximum(number, 0)]
         group = np.where(valid, self.dialect.group_of[number], UNKNOWN)
         bad = (group == UNKNOWN).nonzero()[0]

@@ -47,8 +47,8 @@ class Control:
             | set(dialect.letters)
             | (set("YV") if dialect.polar == "Y" and "C" in self.rows else set())
         )
-        # units and diameters to scales that hold for them (positions.py)
-        self.measures: dict[tuple[int, int], tuple[np.ndarray, ...]] = {}
+        # units and diameters to scales that hold for them (measures.py)
+        self.measures: dict[tuple[int, int], tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
         self.zero: Any = None  # the zero worked out last (zeros.py)
         letter = {row: u for u, row in self.increment_rows.items()}
         self.spellings = [

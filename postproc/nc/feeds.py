@@ -11,6 +11,8 @@ takes its part of the time.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from postproc.errors import BlockFault
@@ -24,14 +26,12 @@ GROUPS = ("XYZ", "UVW", "ABC")  # the first of them that moves is the one whose 
 SAME = 0.01  # of a feed: less is what every correction does to the length of a block
 
 
-# Whole: one pass over the pieces, whose feed in force goes on.
 def kept_feeds(b: Writing) -> float:
     """Write F where a block's pieces would else be run in another time. Returns the F that the
     output has in force where the program has another one, else nan. Raises BlockFault where a
     correction would change an unknown time."""
     m, p = b.m, b.p
-    # rows of each group of axes
-    rows = [[i for i, x in enumerate(b.axes) if x in group] for group in GROUPS]
+    rows = _rows(tuple(b.axes))
     stands = b.state.feed
     special = _special(b, rows)
     if not any_of(special) and stands != stands:
@@ -53,6 +53,12 @@ def kept_feeds(b: Writing) -> float:
             b.touched[i] = True
             stands = wanted if ratio[k] != 1.0 else np.nan
     return float("nan" if anew_behind else stands)
+
+
+@cache
+def _rows(axes: tuple[str, ...]) -> list[list[int]]:
+    """Rows of each group of axes."""
+    return [[i for i, x in enumerate(axes) if x in group] for group in GROUPS]
 
 
 def states_feed(words: Words) -> bool:

@@ -4,16 +4,16 @@ whole ticks."""
 from __future__ import annotations
 
 import itertools
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from postproc.flags import all_of, any_of
 from postproc.nc import lengths
-from postproc.nc.batch import DIAM90, LINEAR, NO_WORDS, AxisWords, Batch
+from postproc.nc.batch import NO_WORDS, AxisWords, Batch
 from postproc.nc.columns import at, hold_index, hold_last
 from postproc.nc.grammar import ABSOLUTE, RELATIVE
+from postproc.nc.measures import measures
 from postproc.nc.references import away as sent_away
 from postproc.nc.state import UNSAID
 from postproc.records import mutable, replace
@@ -95,7 +95,7 @@ class _Axes:
         """Set `place` (K,), the words that say where axes go, `axis`, `by` (K,), their axes and
         blocks, and `is_inc` (K,), whether they are distances. Raises ProgramError."""
         b, w = self.b, self.b.words
-        self.scale, self.grid, self.least = _measures(b)
+        self.scale, self.grid, self.least = measures(b)
         self.offset = np.where(b.machine, 0, b.offset) if any_of(b.machine) else b.offset
         self.increments = {x for x, (_, more) in axis_words.items() if len(more)}
         each = [self._words(x, *axis_words[x]) for x in b.rows]
@@ -147,7 +147,7 @@ class _Axes:
             self.is_inc = np.where(own, self.is_inc, w.letter[place] < ABSOLUTE)
             if self.spelled or "X" in self.increments:
                 self._rescale(self._distances())
-        self.added = np.count_nonzero(self.is_inc) > 0
+        self.added = any_of(self.is_inc)
 
     def _mode(self, letter: str) -> Any:
         """(B,) or one bool: whether the modes make words of an axis distances."""
@@ -241,24 +241,22 @@ class _Axes:
 
     def leave(self, p: Places, block: np.ndarray) -> None:
         """What G28 and G30 do with axes, and `known` (A, B), None where it is everywhere."""
-        b, cycle, was = self.b, self.b.cycle, self.b.state.known
+        b, was = self.b, self.b.state.known
         self.known: np.ndarray | None = None
-        unsure = cycle is not None and not cycle.known
-        may_lose = self.forgets or self.sends or self.held or unsure or b.dialect.length_lapses
-        if not may_lose and all_of(was):
+        unsure = b.cycle if b.cycle is not None and not b.cycle.known else None
+        lapses = bool(b.dialect.length_lapses)
+        if all_of(was) and not any((self.forgets, self.sends, self.held, unsure, lapses)):
             return
         known = np.ones(self.named.shape, bool)
         for letter, row in b.rows.items():
             drop, lapsed = self._drop(letter, row, p, block)
-            mine = unsure and cycle is not None and cycle.row == row
-            if was[row] and not (self.forgets or lapsed or mine):
-                continue
             event = np.where(drop, 0, np.where(self.named[row], 1, -1))
-            if mine and cycle is not None:
-                event[cycle.blocks[cycle.initial]] = 0
-            known[row] = hold_last(event, int(was[row]))
-        if np.count_nonzero(known) < known.size:
-            self.known = known
+            mine = unsure is not None and unsure.row == row
+            if unsure is not None and mine:
+                event[unsure.blocks[unsure.initial]] = 0
+            if any((self.forgets, lapsed, mine, not was[row])):
+                known[row] = hold_last(event, int(was[row]))
+        self.known = None if all_of(known) else known
 
     def _drop(self, letter: str, row: int, p: Places, block: np.ndarray) -> tuple[np.ndarray, bool]:
         """(B,) where the place of an axis is lost, and whether its length lapses anywhere."""
@@ -305,7 +303,8 @@ class _Axes:
         p.changed[row] = since[block]
         if self.n:
             p.end_changed[row] = since[-1]
-        return lost & taken
+        dropped: np.ndarray = lost & taken
+        return dropped
 
     def _starts(self, block: np.ndarray) -> np.ndarray:
         """(A, N) ticks before the moving blocks."""
@@ -349,43 +348,9 @@ class _Axes:
                 p.end_known[:] = self.known[:, -1]
 
 
-def _measures(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(A, B) or (A, 1) each: ticks of one unit and of one least increment of each axis' word, and
-    decimals of that increment. Remembered for modes that hold throughout."""
-    units, diameter = b.held("units"), b.held("diameter")
-    key = None
-    if not b.polar and isinstance(units, int) and isinstance(diameter, int) and diameter != DIAM90:
-        key = units, diameter
-        if key in b.control.measures:
-            return b.control.measures[key]
-    scales: list[list[Any]] = [[], [], []]
-    for letter in b.rows:
-        half, measured = b.halves(letter), b.measured(letter)
-        least = places_of(b.setup.least_increment.get(measured, 1e-4))
-        more = (units == 200) if measured in LINEAR else 0
-        for column, value in zip(
-            scales, (*(x // half for x in b.unit_scale(letter)), least + more), strict=True
-        ):
-            column.append(value)
-    n = max((np.size(value) for column in scales for value in column), default=1)
-    found = tuple(np.empty((len(column), n), np.int64) for column in scales)
-    for table, column in zip(found, scales, strict=True):
-        for row, value in enumerate(column):
-            table[row] = value
-    if key is not None:
-        b.control.measures[key] = found
-    return found
-
-
 def _before(b: Batch, held: np.ndarray | None) -> np.ndarray:
     """(A,) what holds of each axis before the batch."""
     return np.zeros(len(b.rows), bool) if held is None else held.copy()
-
-
-@lru_cache
-def places_of(increment: float) -> int:
-    """Decimals of a least increment."""
-    return int(-round(np.log10(increment)))
 
 
 def _since(p: Places, row: int, away: np.ndarray, block: np.ndarray, carry: bool) -> None:

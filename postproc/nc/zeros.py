@@ -37,24 +37,34 @@ class Zero:
     tool: str
     offset: np.ndarray
 
+    def holds(self, b: Batch, work: int) -> bool:
+        """Whether it does throughout a batch, in which this work offset holds."""
+        same = self.frame is b.frame and self.offsets is b.offsets
+        return same and (self.work, self.tool) == (work, b.tool)
+
+
+def _work_out(b: Batch) -> None:
+    """The same for any batch."""
+    before = int(b.reason[-1]) if b.n else 0
+    b.offset = work_columns(b) + b.frame.shift[:, None]
+    b.zero_known = not b.frame.unknown and not (b.n and b.reason[-1] != before)
+    for reason in b.frame.unknown.values():
+        b.reason[:] = b.because(*reason)
+
 
 def offset_columns(b: Batch) -> None:
     """`offset` (A, B) or (A, 1) ticks: where the zero of absolute words lies; unknown parts become
     reasons."""
-    zero = b.control.zero
-    work = b.held("work offset")
-    same = zero is not None and zero.frame is b.frame and zero.offsets is b.offsets
-    tools = b.dialect.tool_offsets and "T" in b.places
-    if same and not tools and isinstance(work, int) and (work, b.tool) == (zero.work, zero.tool):
-        b.offset = zero.offset
+    work, tools = b.held("work offset"), b.dialect.tool_offsets and "T" in b.places
+    if tools or not isinstance(work, int):
+        _work_out(b)
+    elif not (b.control.zero and b.control.zero.holds(b, work)):
+        count = len(b.reasons)
+        _work_out(b)
+        known = len(b.reasons) == count
+        b.control.zero = Zero(b.frame, b.offsets, work, b.tool, b.offset) if known else None
     else:
-        count, before = len(b.reasons), int(b.reason[-1]) if b.n else 0
-        b.offset = work_columns(b) + b.frame.shift[:, None]
-        b.zero_known = not b.frame.unknown and not (b.n and b.reason[-1] != before)
-        for reason in b.frame.unknown.values():
-            b.reason[:] = b.because(*reason)
-        if isinstance(work, int) and not tools and len(b.reasons) == count:
-            b.control.zero = Zero(b.frame, b.offsets, work, b.tool, b.offset)
+        b.offset = b.control.zero.offset
     if (
         b.dialect.local_is_preset
         and any_of(b.machine)
