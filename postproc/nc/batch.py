@@ -11,6 +11,7 @@ from postproc.errors import BlockFault, Notice
 from postproc.flags import any_of
 from postproc.motions import no_presets
 from postproc.nc import codes, faults
+from postproc.nc.coded import Coded, written_codes
 from postproc.nc.columns import hold_last
 from postproc.nc.control import Control
 from postproc.nc.dialects import NO_GROUP, UNKNOWN
@@ -52,9 +53,9 @@ class Batch:
     """The columns of one batch while they are worked out."""
 
     def __init__(
-        self, control: Control, words: Words, state: ModalState, coded: codes.Coded | None = None
+        self, control: Control, words: Words, state: ModalState, coded: Coded | None = None
     ):
-        """coded: the words of all codes and what `codes.written` says of them, if that is known."""
+        """coded: the words of all codes and what `written_codes` says of them, if that is known."""
         self.coded = coded
         self.dialect, self.setup, self.rows = control.dialect, control.setup, control.rows
         self.control, self.words, self.state = control, words, state
@@ -239,7 +240,7 @@ class Batch:
                 self._carried_mode()
             return
         w = self.words
-        number = codes.written(w, place, self.coded)
+        number = written_codes(w, place, self.coded)
         valid, number = number >= 0, self.dialect.meant[np.maximum(number, 0)]
         group = np.where(valid, self.dialect.group_of[number], UNKNOWN)
         bad = (group == UNKNOWN).nonzero()[0]

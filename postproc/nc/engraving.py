@@ -16,7 +16,7 @@ import numpy as np
 
 from postproc.flags import any_of
 from postproc.nc.batch import NO_WORDS, AxisWords, Batch
-from postproc.nc.codes import written
+from postproc.nc.coded import written_codes
 from postproc.nc.columns import one_of, spread
 from postproc.nc.holes import ACROSS, in_cycle
 from postproc.nc.queries import tell
@@ -40,7 +40,7 @@ def as_motion(b: Batch, motion: np.ndarray) -> np.ndarray:
             motion = motion.copy()
             motion[block] = number
             place = b.places["G"]
-            place = place[written(b.words, place) == number]
+            place = place[written_codes(b.words, place) == number]
             b.code_word[b.words.block[place]] = place
     return motion
 

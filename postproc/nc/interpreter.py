@@ -18,11 +18,12 @@ import numpy as np
 from postproc.errors import BlockFault, Notice
 from postproc.flags import any_of
 from postproc.motions import FOREIGN, Motions, join, no_motions, no_spells
-from postproc.nc import codes, face, frames
+from postproc.nc import face, frames
 from postproc.nc.arcs import Circle, arcs_of
 from postproc.nc.batch import NO_WORDS, AxisWords, Batch
 from postproc.nc.beside import beside_columns
 from postproc.nc.beside_refusals import refuse_beside
+from postproc.nc.coded import Coded, written_codes
 from postproc.nc.columns import at, hold_last_float, named_since, one_of, spread
 from postproc.nc.conditionals import conditionals
 from postproc.nc.control import Control, spelled
@@ -111,7 +112,7 @@ class Interpreter(Control):
             notices += more
         return join(parts, blocks, starts), state, notices
 
-    def _segments(self, words: Words, state: ModalState) -> tuple[list[int], codes.Coded | None]:
+    def _segments(self, words: Words, state: ModalState) -> tuple[list[int], Coded | None]:
         """Blocks at which segments begin, and the number of blocks: a block that shifts the
         coordinates begins one; and the codes that were read for it, if any were."""
         if state.ended:
@@ -130,7 +131,7 @@ class Interpreter(Control):
             tools = words.block[coded & (words.letter == ord("M"))].tolist()
         if letters:
             tools += words.block[np.isin(words.letter, letters)].tolist()
-        number = codes.written(words, place)
+        number = written_codes(words, place)
         begins = words.block[
             place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]
         ].tolist()

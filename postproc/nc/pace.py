@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from postproc.motions import Motions
-from postproc.nc.codes import written
+from postproc.nc.coded import written_codes
 from postproc.nc.columns import hold_last, hold_last_float
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import KEYWORD_LETTER, PARAMETER
@@ -97,7 +97,7 @@ def spindle(words: Words, dialect: Dialect, before: Spoken) -> tuple[Spindle, Sp
     """How the spindle turns at each block, and what the next batch must know."""
     n = words.blocks
     place = np.flatnonzero((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER))
-    number = written(words, place)
+    number = written_codes(words, place)
     number = np.where(number >= 0, dialect.meant[np.maximum(number, 0)], -1)
     mode, surface = np.full(n, -1, np.int64), np.full(n, -1, np.int64)
     for codes, column in (((930, 940, 950), mode), ((960, 970), surface)):
@@ -152,7 +152,7 @@ def _limits(
 def dwells(words: Words) -> list[int]:
     """The blocks that rest (G4), in order."""
     place = np.flatnonzero(words.letter == ord("G"))
-    return [int(b) for b in words.block[place[written(words, place) == DWELL]]]
+    return [int(b) for b in words.block[place[written_codes(words, place) == DWELL]]]
 
 
 def live(words: Words, dialect: Dialect) -> int:

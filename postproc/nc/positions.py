@@ -308,7 +308,7 @@ class _Axes:
 
     def _starts(self, block: np.ndarray) -> np.ndarray:
         """(A, N) ticks before the moving blocks."""
-        starts = self.position.take(block - NEXT, axis=1)
+        starts: np.ndarray = self.position.take(block - NEXT, axis=1)
         if len(block) and block[0] == 0:  # there is no block before the first
             starts[:, 0] = self.b.state.position
         return starts
