@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.flags import any_of
 from postproc.motions import FEED
 from postproc.records import columns, names
 
@@ -50,7 +51,7 @@ def without_rests(pieces: Pieces) -> Pieces:
     """The same without straight pieces of no length, unless a motion has nothing else: turning a
     slide round can bring it to the very place where a short motion ends."""
     rest = np.logical_and.reduce(pieces.start == pieces.end, axis=0) & (pieces.code <= LINES)
-    if not np.count_nonzero(rest):
+    if not any_of(rest):
         return pieces
     first = np.concatenate([[True], pieces.motion[1:] != pieces.motion[:-1]])
     group = np.cumsum(first) - 1
@@ -68,7 +69,7 @@ def in_order(parts: list[Packed]) -> Pieces:
             return parts[0][1]
         step = stroke[1:] - stroke[:-1]
         # straight strokes come in order already
-        if not np.count_nonzero((step < 0) | ((step == 0) & (place[1:] <= place[:-1]))):
+        if not any_of((step < 0) | ((step == 0) & (place[1:] <= place[:-1]))):
             return parts[0][1]
     stroke, place = (np.concatenate(keys) for keys in zip(*(k for k, _ in parts), strict=True))
     # one sort of nearly sorted numbers; orders within a stroke go from -2 to 2^30

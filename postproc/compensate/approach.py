@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.flags import all_of, any_of
 from postproc.records import columns
 
 MODES = ("mean", "step", "ramp", "off")
@@ -91,9 +92,9 @@ def bear(
     """
     half = (band // 2)[:, None]
     low, high = place - half, place + half
-    if np.count_nonzero(stays):
+    if any_of(stays):
         low, high = np.where(stays, -FAR, low), np.where(stays, FAR, high)
-    known = np.count_nonzero(given)
+    known = any_of(given)
     if known:
         there = place - sense * half
         low, high = np.where(given, there, low), np.where(given, there, high)
@@ -109,18 +110,18 @@ def bear(
 
 def hold_last(value: np.ndarray, given: np.ndarray, carry: np.ndarray) -> np.ndarray:
     """(A, S) the last value (A, S) that was given, or carry (A,)."""
-    if np.count_nonzero(given) == value.size:
+    if all_of(given):
         return value
-    result = np.empty((len(value), value.shape[1] + 1), value.dtype)
-    result[:, 0], result[:, 1:] = carry, value
-    open_ = np.zeros(result.shape, bool)
-    np.logical_not(given, out=open_[:, 1:])
+    result, open_ = value.copy(), ~given
+    np.copyto(result[:, 0], carry, where=open_[:, 0])
+    open_[:, 0] = False
     at = open_.ravel().nonzero()[0]
-    first = np.ones(len(at), bool)  # of those in a row, which all take what stands before it
-    np.not_equal(at[1:], at[:-1] + 1, out=first[1:])
-    flat = result.ravel()
-    flat[at] = flat.take(at[first] - 1).take(first.cumsum() - 1)
-    return result[:, 1:]
+    if len(at):
+        first = np.ones(len(at), bool)  # of those in a row, which all take what stands before it
+        np.not_equal(at[1:], at[:-1] + 1, out=first[1:])
+        flat = result.ravel()
+        flat[at] = flat.take(at[first] - 1).take(first.cumsum() - 1)
+    return result
 
 
 def last_way(first: np.ndarray, then: np.ndarray, carry: np.ndarray) -> np.ndarray:

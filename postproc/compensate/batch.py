@@ -13,6 +13,7 @@ from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.columns import Columns
 from postproc.compensate.increments import increments, rounded
 from postproc.compensate.inverse import command
+from postproc.flags import all_of, any_of
 from postproc.machine.tip import TipMachine
 from postproc.motions import CUTS, FREE, HOLE, RAPID, Motions
 from postproc.units import TICKS_PER_MM, in_mm, in_ticks
@@ -60,6 +61,7 @@ class Batch(Columns):
         self.arc_of.fill(-1)
         self.arc_of[arcs.motion] = np.arange(len(arcs))
         self.motion, self.t0, self.t1 = whole = np.arange(len(m)), np.zeros(len(m)), np.ones(len(m))
+        self.begin_nominal, self.end_nominal, self.passed = in_mm(m.start), in_mm(m.target), None
         self.tip = isinstance(self.machine, TipMachine)
         if self.c.follows:
             self.motion, self.t0, self.t1 = turning.divided(self)
@@ -68,9 +70,8 @@ class Batch(Columns):
         motion, t0, t1 = self.motion, self.t0, self.t1
         self.undivided = motion is whole[0]
         self.last = t1 == ONE
-        if self.undivided:
-            self.begin_nominal, self.end_nominal = in_mm(m.start), in_mm(m.target)
-        else:
+        if not self.undivided:
+            self.passed = None
             self.begin_nominal = self.nominal(motion, t0)
             self.end_nominal = self.nominal(motion, t1)
         self.code = code = self.of(m.code)
@@ -200,24 +201,30 @@ class Batch(Columns):
         if self.leaps:
             self.before = np.where(self.jumps, self.of(m.start), self.before)
 
-    def starts(self) -> None:
-        """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start
-        may differ."""
+    @cached_property
+    def flipped(self) -> np.ndarray:
+        """(A, S) bool: two-way axes that bear otherwise where a stroke begins than behind the one
+        before."""
         first = self.carry.sides.side.astype(float)
         if self.c.ramped:
             ramped = self.c.reach > 0
             first[ramped] = self.carry.sides.taken[ramped] / self.c.reach[ramped]
         before = np.empty(self.weight_end.shape)
         before[:, 0], before[:, 1:] = first, self.weight_end[:, :-1]
-        self.flipped = before != self.weight_begin
+        flipped = before != self.weight_begin
         if len(self.c.two_way) < len(before):
-            self.flipped &= self.machine.two_way[:, None]
-        self.flipped = self.flipped | self.twice
+            flipped &= self.machine.two_way[:, None]
+        either: np.ndarray = flipped | self.twice
+        return either
+
+    def starts(self) -> None:
+        """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start
+        may differ."""
         self.turning = self.cutting & self.known_before
         if self.c.mode in ("mean", "off"):
             self.turning &= ~self.sure & (self.t0 == 0) & (self.c.mode == "mean")
         else:
-            self.turning &= self.flipped.any(axis=0) | ~self.sure
+            self.turning &= np.logical_or.reduce(self.flipped, axis=0) | ~self.sure
         self.wanted = self.before
         which = self.turning.nonzero()[0]
         if not len(which):
@@ -245,7 +252,7 @@ class Batch(Columns):
         unknown = not self.every and (
             np.count_nonzero(~known) or np.count_nonzero(~self.correctable)
         )
-        moved = np.count_nonzero(self.turning) or np.count_nonzero(self.left)
+        moved = any_of(self.turning) or any_of(self.left)
         if not (unknown or moved or held[self.rows].any() or self.leash is not None):
             self.begin = self.before
             return
@@ -260,7 +267,7 @@ class Batch(Columns):
         self.bound = self.machine.two_way[:, None] & ~self.flipped & self.sure
         if isinstance(self.machine, TipMachine):
             self.bound &= self.machine.direct[:, None]
-        if np.count_nonzero(self.c.overshoots):
+        if any_of(self.c.overshoots):
             self.bound &= ~(self.c.overshoots[:, None] & (code == RAPID))
         self.begin = self.before.copy()
         for row in range(len(self.end)):
@@ -275,10 +282,10 @@ class Batch(Columns):
             before = self.before[row]
             before[0], before[1:] = self.carry.issued[row], end[:-1]
             stood = (self.m.start_known[row].take(self.motion) & ~self.jumps[row]) | (self.t0 > 0)
-            if np.count_nonzero(stood) < len(stood):
+            if not all_of(stood):
                 before[~stood] = self._nominal_begin(row)[~stood]
             self.begin[row] = before
-            if np.count_nonzero(self.turning):
+            if any_of(self.turning):
                 taken = self._taken_up(row, before)
                 self.begin[row, taken] = self.wanted[row, taken]
 
@@ -310,7 +317,7 @@ class Batch(Columns):
         leashed = (leash < cutter.FREELY) & ~stays
         columns = onward, before, end[still], low, high, turning | leashed
         back = levels.origins(self, row) if len(self.m.holes) else {}
-        if not (back or np.count_nonzero(columns[-1])):
+        if not (back or any_of(columns[-1])):
             return resting(*columns[:-1])
         value: list[int] = []
         here, enough = 0, self.c.chord * TICKS_PER_MM
@@ -347,7 +354,7 @@ class Batch(Columns):
         cutting = self.cutting & self.known_before
         sides = np.zeros((len(rows), self.end.shape[1]), np.int64)
         rests = self.travel.take(rows, axis=0) == 0
-        at = (rests & cutting).any(axis=0).nonzero()[0] if np.count_nonzero(rests) else ()
+        at = (rests & cutting).any(axis=0).nonzero()[0] if any_of(rests) else ()
         if len(at):
             play = self.machine.lost_motion(self.begin.take(at, axis=1) / TICKS_PER_MM, rows)
             beyond = rests.take(at, axis=1) & (play < -self.c.chord)

@@ -9,11 +9,13 @@ from functools import cached_property
 
 import numpy as np
 
+from postproc.compensate import nodes
 from postproc.compensate.approach import Sides
 from postproc.compensate.arcs import points
 from postproc.compensate.known import known
 from postproc.compensate.settings import Carry, Settings
 from postproc.errors import Notice
+from postproc.flags import all_of, any_of
 from postproc.motions import FEED, RAPID, Motions
 from postproc.units import TICKS_PER_MM, in_mm
 
@@ -30,6 +32,7 @@ class Columns:
     begin_nominal: np.ndarray
     end_nominal: np.ndarray
     nominal_end: np.ndarray
+    passed: np.ndarray | None  # (S,) whether each passes a node, once all were asked
     last: np.ndarray
     code: np.ndarray
     moved: np.ndarray
@@ -72,9 +75,9 @@ class Columns:
         self.free = self.known & ~(motions.alone | self.places.idle)
         # (A, N) G28 has taken the axis elsewhere meanwhile
         self.jumped = motions.sent & motions.start_known
-        self.leaps = np.count_nonzero(self.jumped) > 0
+        self.leaps = any_of(self.jumped)
         # every place is known, and every motion corrected
-        self.every = self.places.every and np.count_nonzero(self.free) == len(motions)
+        self.every = self.places.every and all_of(self.free)
         # (N,) ticks commanded at the bottom of a hole
         self.bottom = np.zeros(len(motions), np.int64)
 
@@ -108,16 +111,31 @@ class Columns:
             )
         return result
 
+    def may_bend(self, which: np.ndarray, slack: float) -> np.ndarray:
+        """(K,) whether the deviation can bend between the ends of straight strokes `which` (K,), in
+        order: at a node, or by product terms, which bend it by `slack` mm at least. What all pass
+        is looked up once."""
+        begin, end, clamped = self.begin_nominal, self.end_nominal, self.c.outside == "clamp"
+        if len(which) == begin.shape[1]:
+            if self.passed is None:
+                self.passed = nodes.passes(self.machine, begin, end, clamped)
+            passed = self.passed
+        else:
+            begin, end = begin.take(which, axis=1), end.take(which, axis=1)
+            passed = nodes.passes(self.machine, begin, end, clamped)
+        may_bend: np.ndarray = passed | self.machine.bounds.bends(begin, end, slack)
+        return may_bend
+
     def left_alone(self) -> np.ndarray:
         """(A, S) bool: axes that stay where they were sent last: in a motion that is left as it is
         and does not name them, and where the nominal path does not move at all."""
         m, free = self.m, self.moved
         left = self.of(m.changed)
-        if np.count_nonzero(left) or not self.every:
+        if any_of(left) or not self.every:
             left = ~(free & self.correctable) | self.of(m.changed & (m.code == RAPID))
             left &= self.of(m.word < 0)  # no rapid brings an axis back from a tool change
         rests = ~np.logical_or.reduce(self.travel, axis=0)
-        if np.count_nonzero(rests):
+        if any_of(rests):
             rests &= (self.t1 - self.t0 == 1.0) & (self.code <= FEED) & free & self.sure
             # the first feed brings an axis back from a tool change, though it goes nowhere
             rests &= (self.code == RAPID) | ~self.of(m.changed).any(axis=0)
@@ -132,7 +150,7 @@ class Columns:
         """(A, K) side of approach at places along strokes."""
         begin = self.weight_begin.take(stroke, axis=1)
         ramped = self.c.reach > 0
-        if not np.count_nonzero(ramped):
+        if not any_of(ramped):
             return begin
         reach = np.where(ramped, self.c.reach, 1)[:, None]
         way = (nominal - self.begin_nominal.take(stroke, axis=1)) * (TICKS_PER_MM / reach)

@@ -11,6 +11,7 @@ from postproc.compensate.arcs import points
 from postproc.compensate.batch import Batch, written_centre
 from postproc.compensate.increments import increments, rounded
 from postproc.errors import MotionFault
+from postproc.flags import all_of, any_of
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE, RAPID, THREAD
 from postproc.pieces import Packed, Pieces
 from postproc.records import names
@@ -24,7 +25,7 @@ def take_ups(b: Batch) -> Packed | None:
     """A piece for every stroke that must be begun elsewhere than the last one ended, or two
     (Batch.lead_beyond)."""
     led, moved = b.beyond != b.begin, b.begin != b.before
-    if not (np.count_nonzero(led) or np.count_nonzero(moved)):
+    if not (any_of(led) or any_of(moved)):
         return None
     over = led.any(axis=0)
     which = ((b.turning & moved.any(axis=0)) | over).nonzero()[0]
@@ -138,7 +139,7 @@ def _may_be_cut(b: Batch, straight: np.ndarray) -> np.ndarray:
     may = code == FEEDS
     if b.options.cut_rapids:
         may |= code == RAPID
-    if np.count_nonzero(may) < len(may):
+    if not all_of(may):
         may |= (code == THREAD) & ~b.m.whole[motion]
     if not b.every:
         may &= b.free[motion] & b.known_before[straight]
@@ -147,11 +148,7 @@ def _may_be_cut(b: Batch, straight: np.ndarray) -> np.ndarray:
     chosen: np.ndarray = straight[may]
     if b.c.ramped or not len(chosen):
         return chosen
-    begin, end = b.begin_nominal, b.end_nominal
-    if len(chosen) < len(b.motion):
-        begin, end = begin.take(chosen, axis=1), end.take(chosen, axis=1)
-    bends = nodes.may_bend(b.machine, begin, end, b.c.slack, b.c.outside == "clamp")
-    chosen = chosen[bends]
+    chosen = chosen[b.may_bend(chosen, b.c.slack)]
     return chosen
 
 

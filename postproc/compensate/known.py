@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.flags import all_of
 from postproc.machine.model import Machine
 from postproc.motions import HOLE, Motions
 from postproc.records import columns
@@ -35,7 +36,7 @@ def known(machine: Machine, m: Motions) -> Known:
     chained = list(machine.chained)
     shape = m.target_known.shape
     both = m.target_known & m.start_known
-    every = np.count_nonzero(both) == both.size
+    every = all_of(both)
     if every or both[chained].all():
         no = np.zeros(shape, bool)
         yes = ~no

@@ -8,6 +8,7 @@ import numpy as np
 from postproc.compensate.batch import Batch
 from postproc.compensate.settings import EDGE
 from postproc.errors import MotionFault, Notice
+from postproc.flags import any_of
 from postproc.machine.chain import ROTARY
 from postproc.machine.polar import NEAREST, PolarMachine
 from postproc.machine.tip import TipMachine
@@ -89,7 +90,7 @@ def check_inside(b: Batch) -> None:
         return
     lowest, highest = b.c.covered
     outside = (b.end_nominal < lowest) | (b.end_nominal > highest)
-    if not (np.count_nonzero(outside) or len(b.m.arcs)):
+    if not (any_of(outside) or len(b.m.arcs)):
         return
     free = b.free[b.motion]
     for row, letter in enumerate(b.machine.letters):
@@ -294,7 +295,7 @@ def check_limits(b: Batch) -> float:
     beyond = (value < low) | (value > high)
     if not b.every:
         beyond &= free
-    if most <= largest and not np.count_nonzero(beyond):
+    if most <= largest and not any_of(beyond):
         return most
     over = np.flatnonzero((correction > largest).any(axis=0))
     faults = [(int(i), "over") for i in over[:1]]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.flags import any_of
 from postproc.machine.model import Machine
 
 
@@ -43,14 +44,12 @@ def candidates(
     return np.concatenate(owners), np.concatenate(times), np.concatenate(axes)
 
 
-def may_bend(
-    machine: Machine, start: np.ndarray, target: np.ndarray, slack: float, clamped: bool
-) -> np.ndarray:
-    """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, the
-    end of a table where it is held beyond (`clamped`), or product terms."""
-    result = machine.bounds.bends(start, target, slack)
+def passes(machine: Machine, start: np.ndarray, target: np.ndarray, clamped: bool) -> np.ndarray:
+    """(M,) whether motions (A, M), mm, pass a node, or the end of a table where it is held beyond
+    (`clamped`)."""
+    result = np.zeros(start.shape[1], bool)
     # each begins where the last one ends
-    onward = start.shape[1] > 1 and not np.count_nonzero(start[:, 1:] != target[:, :-1])
+    onward = start.shape[1] == 1 or not any_of(start[:, 1:] != target[:, :-1])
     for letter, table in machine.every_table:
         row = machine.letters.index(letter)
         if onward:

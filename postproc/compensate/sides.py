@@ -18,6 +18,7 @@ import numpy as np
 from postproc.compensate.approach import Sides, bear, hold_last, ramp
 from postproc.compensate.columns import Columns
 from postproc.compensate.cutter import commands
+from postproc.flags import all_of, any_of
 from postproc.machine.tip import TipMachine
 from postproc.motions import RAPID
 from postproc.records import replace
@@ -56,14 +57,14 @@ class Course:
             given[m.holes.axis, b.hole] = True
         # arcs inside G41 G42, not cut where an axis turns back: as their last part
         led = b.turns != b.travel
-        if np.count_nonzero(led) or np.count_nonzero(b.jumps):
+        if any_of(led) or any_of(b.jumps):
             sense = np.where(b.jumps | led, np.sign(b.turns), sense)
             given = given | led
         self.sense, self.given = sense.take(self.rows, axis=0), given.take(self.rows, axis=0)
         stays = b.left if b.every else ~b.of(m.target_known) | b.left
         # Where forward lies beyond reverse an axis turns by being led beyond its place and back,
         # which no rapid does.
-        if np.count_nonzero(b.c.overshoots):
+        if any_of(b.c.overshoots):
             stays = stays | (b.travel == 0) & (b.code == RAPID) & b.c.overshoots[:, None]
         self.stays = stays.take(self.rows, axis=0) & ~self.given
 
@@ -75,7 +76,7 @@ class Course:
             side=whole.side.take(rows), middle=whole.middle.take(rows),
             taken=whole.taken.take(rows), begun=whole.begun.take(rows),
         )  # fmt: skip
-        if np.count_nonzero(carry.begun) == len(rows):
+        if all_of(carry.begun):
             return carry
         place = in_ticks(self.b.end_nominal[rows, 0]) - self.travel[:, 0]
         return replace(carry, middle=np.where(carry.begun, carry.middle, place))
@@ -92,7 +93,7 @@ class Course:
         gives one."""
         moves = (np.abs(self.travel) > self.band[:, None]) & ~self.stays
         way = np.sign(self.travel)
-        if not np.count_nonzero(self.given):
+        if not any_of(self.given):
             return way, moves
         return np.where(self.given, self.sense, way), moves | self.given
 
@@ -113,7 +114,7 @@ class Course:
             at, weight = at.take(free), self.spread(side.take(free, axis=1))
             found = commands(b, at, b.t1.take(at), b.reached.take(at, axis=1), weight)
             told = b.correctable.take(at, axis=1)
-            if np.count_nonzero(told) < told.size:
+            if not all_of(told):
                 found = np.where(told, found, result.take(free, axis=1))
             result[:, free] = found
         return result
@@ -133,7 +134,7 @@ class Course:
         begin.fill(NOWHERE)
         turned = ~b.sure.take(at)
         if self.couples:
-            turned |= (side != before).any(axis=0)
+            turned |= np.logical_or.reduce(side != before, axis=0)
         here = (turned & (b.cutting & b.known_before).take(at)).nonzero()[0]
         if len(here):
             there, led = at.take(here), side.take(here, axis=1)
@@ -179,7 +180,7 @@ class Course:
         """(T, S) side and state behind each stroke, of wanted places at begins and ends."""
         begin, end = self.begin, self.end
         self.twice = np.zeros(end.shape, bool)
-        if not np.count_nonzero(begin != NOWHERE):
+        if not any_of(begin != NOWHERE):
             return bear(end, self.band, self.sense, self.given, self.stays, self.carry)
         none = np.zeros_like(self.given)
         pairs = (
@@ -205,21 +206,21 @@ class Course:
         self.led, (self.exact, self.begin, self.end) = led, self.places(every, led, before)
         side, middle = self.bear()
         off = side != led
-        open_ = off.any(axis=0) if np.count_nonzero(off) else np.zeros(0, bool)
+        open_ = off.any(axis=0) if any_of(off) else np.zeros(0, bool)
         open_ = open_ | _behind(open_) if len(open_) else open_
-        while np.count_nonzero(open_):
+        while any_of(open_):
             self._decide(open_.nonzero()[0], side, middle)
             found, now = self.bear()
             open_ = _behind(((found != side) | (now != middle)).any(axis=0))
             side, middle = found, now
         other = side != self.led
-        if np.count_nonzero(other):
+        if any_of(other):
             at = other.any(axis=0).nonzero()[0]
             self.exact[:, at] = self.commands(at, side.take(at, axis=1))
         self.side, self.middle = side, middle
         held = middle + side * (self.band // 2)[:, None]
         self.behind = held - self.end
-        if np.count_nonzero(self.given) or np.count_nonzero(self.stays):
+        if any_of(self.given) or any_of(self.stays):
             self.behind = np.where(self.given | self.stays, 0, self.behind)
 
     def _decide(self, at: np.ndarray, side: np.ndarray, middle: np.ndarray) -> None:
@@ -300,7 +301,7 @@ def carried(
         if part is not None:
             whole[course.rows] = part[:, -1]
     begun = s.begun
-    if np.count_nonzero(begun) < len(begun):
+    if not all_of(begun):
         begun = begun | b.m.target_known.any(axis=1)
     return Sides(side=after[0], middle=after[1], taken=after[2], begun=begun)
 
@@ -323,7 +324,7 @@ def follow(b: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
     exact, b.twice = course.exact, np.zeros(side.shape, bool)
     # Where nothing was corrected before, the way to the first corrected place turns an axis too
     # that the stroke moves.
-    if np.count_nonzero(course.twice):
+    if any_of(course.twice):
         b.twice[course.rows] = course.twice & ((course.travel == 0) | ~b.sure)
     if np.count_nonzero(course.behind):
         holds = (b.c.reach[course.rows] == 0)[:, None] & b.moved

@@ -35,6 +35,7 @@ import numpy as np
 from postproc.compensate.batch import Batch
 from postproc.compensate.settings import Course
 from postproc.errors import MotionFault
+from postproc.flags import any_of
 from postproc.motions import SPLINE
 from postproc.records import names
 from postproc.units import TICKS_PER_MM, UM
@@ -51,7 +52,7 @@ def check(b: Batch) -> Course | None:
     """Prove every spline of a batch; what its last one hands on, None: it does not end in one.
     Raises MotionFault at the first block that leaves more than the tolerance."""
     on = (b.code == SPLINE) & b.moved
-    if not np.count_nonzero(on):
+    if not any_of(on):
         return None if len(on) else b.carry.spline
     _refuse(b, on.nonzero()[0])
     edges = np.diff(np.concatenate([[False], on, [False]]).astype(np.int8))

@@ -107,13 +107,8 @@ def _quadrants(b: Columns) -> tuple[np.ndarray, np.ndarray]:
 def _bends(b: Columns, chosen: np.ndarray, least: float) -> np.ndarray:
     """(K,) bool: arcs, and straight motions whose correction is no straight line but for less than
     `least` mm, which is all that such a one can turn back by."""
-    m = b.m
-    start, target = (in_mm(p.take(chosen, axis=1)) for p in (m.start, m.target))
-    clamped = b.c.outside == "clamp"
-    bends: np.ndarray = (b.arc_of[chosen] >= 0) | nodes.may_bend(
-        b.machine, start, target, least, clamped
-    )
-    return bends
+    bends: np.ndarray = b.may_bend(chosen, least)
+    return bends | (b.arc_of[chosen] >= 0) if len(b.m.arcs) else bends
 
 
 def _induced(b: Columns) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -132,7 +127,7 @@ def _induced(b: Columns) -> list[tuple[np.ndarray, np.ndarray]]:
     most = b.machine.bounds.steepest * length
     for row in b.machine.turning:
         most = np.where(way[row] > 0, np.inf, most)
-    slow = (way.take(rows, axis=0) < most).any(axis=0)
+    slow = np.logical_or.reduce(way.take(rows, axis=0) < most, axis=0)
     slow[arcs] = True
     # what a resting axis is held still by is not seen either
     least = max(b.c.hysteresis / 2, b.c.hold)

@@ -33,6 +33,13 @@ OPTICS = ("tool", "workpiece")
 # axis to mm that stay, as arrays without axes, and the slides that add, per direction
 Arms = dict[str, list[tuple[np.ndarray, tuple[str, ...]]]]
 Parts = list[np.ndarray | None]  # six (N,) columns of one axis' deviations, None: zero everywhere
+# (eps x arm)_i = eps_j arm_k - eps_k arm_j: direction, rotation (3 to 5), arm, whether taken away
+TURNS = [
+    term
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+    for term in ((i, 3 + j, k, False), (i, 3 + k, j, True))
+]
+ZERO = np.array(0.0)  # without axes: postproc.units
 NO_PARTS: Parts = [None] * 6
 
 
@@ -156,57 +163,76 @@ def leans(letter: str, lean: np.ndarray) -> list[tuple[int, np.ndarray]]:
     return found
 
 
-# Whole: the hot loop: no zeros are made or added where a part is missing.
-def tip_deviation(
-    arms: Arms,
-    parts: dict[str, Parts],
-    leans: dict[str, list[tuple[int, np.ndarray]]],
-    position: dict[str, np.ndarray],
-) -> list[np.ndarray]:
-    """Three (N,) columns X Y Z of the deviation in mm, of a chain without rotary axes.
+@record
+class Share:
+    """What one axis adds to the deviation, of which components are there: nothing is asked, made or
+    added where one is missing. letter; drifts: direction and rate of its squareness; shifts: its
+    translations; begins: directions in which nothing comes before its turns; arm: directions of its
+    arm that count, each with the part that stays and the slides that add; turns: its own of
+    TURNS."""
 
-    arms, leans: of the functions above; parts: axis to its six deviations at its position;
-    position: axis to (N,) mm.
-    """
-    n = len(next(iter(position.values())))
-    total: list[Any] = [None, None, None]
+    letter: str
+    drifts: list[tuple[int, np.ndarray]]
+    shifts: list[int]
+    begins: list[int]
+    arm: list[tuple[int, np.ndarray, tuple[str, ...]]]
+    turns: list[tuple[int, int, int, bool]]
+
+
+def shares(
+    arms: Arms, live: dict[str, set[int]], leans: dict[str, list[tuple[int, np.ndarray]]]
+) -> list[Share]:
+    """Of each axis of a chain without rotary axes. arms, leans: of the functions above; live: axis
+    to its components that are not zero everywhere, 0 to 5."""
+    found, begun = [], set()
     for letter, stays in arms.items():
-        part: Parts = parts.get(letter) or NO_PARTS
-        for i, rate in leans.get(letter, ()):
-            drift = rate * position[letter]
+        own = live.get(letter, set())
+        there = [k for k, (constant, slides) in enumerate(stays) if slides or constant]
+        turns = [term for term in TURNS if term[1] in own and term[2] in there]
+        arm = [(k, *stays[k]) for k in sorted({arm for _, _, arm, _ in turns})]
+        drifts, shifts = leans.get(letter, []), [i for i in range(3) if i in own]
+        begun |= {*shifts, *(i for i, _ in drifts)}
+        begins = {i for i, _, _, _ in turns} - begun
+        begun |= begins
+        found.append(Share(letter, drifts, shifts, sorted(begins), arm, turns))
+    return found
+
+
+def tip_deviation(
+    each: list[Share], parts: dict[str, Parts], position: dict[str, np.ndarray]
+) -> list[Any]:
+    """Three (N,) columns X Y Z of the deviation in mm, of a chain without rotary axes; None for one
+    that is zero everywhere.
+
+    parts: axis to its six deviations at its position; position: axis to (N,) mm. Not in place,
+    which takes three times as long where N is 1.
+    """
+    total: list[Any] = [None, None, None]
+    for share in each:
+        for i, rate in share.drifts:
+            drift = rate * position[share.letter]
             total[i] = drift if total[i] is None else total[i] + drift
-        for i, shift in enumerate(part[:3]):
-            if shift is not None:
-                total[i] = shift if total[i] is None else total[i] + shift
-        if part[3] is not None or part[4] is not None or part[5] is not None:
-            arm = [_length(constant, slides, position) for constant, slides in stays]
-            total = [np.zeros(n) if column is None else column for column in total]
-            _turn(total, part[3:], arm)
-    return [np.zeros(n) if column is None else column for column in total]
-
-
-def _turn(total: list[Any], turns: Parts, arm: list[Any]) -> None:
-    """Adds eps x arm to three (N,) columns of mm. turns: eps, rad, about X Y Z; arm: mm; None: it
-    is zero. Not in place, which takes three times as long where N is 1."""
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        # (eps x arm)_i = eps_j arm_k - eps_k arm_j
-        if turns[j] is not None and arm[k] is not None:
-            total[i] = total[i] + turns[j] * arm[k]
-        if turns[k] is not None and arm[j] is not None:
-            total[i] = total[i] - turns[k] * arm[j]
+        part = parts.get(share.letter, NO_PARTS)
+        for i in share.shifts:
+            total[i] = part[i] if total[i] is None else total[i] + part[i]
+        for i in share.begins:
+            total[i] = ZERO
+        arm = {k: _length(constant, slides, position) for k, constant, slides in share.arm}
+        for i, j, k, away in share.turns:
+            turn = part[j] * arm[k]
+            total[i] = total[i] - turn if away else total[i] + turn
+    return total
 
 
 def _length(
     constant: np.ndarray, slides: tuple[str, ...], position: dict[str, np.ndarray]
-) -> np.ndarray | None:
-    """(N,) or one number of mm: an arm in one direction; None: none, wherever the slides stand."""
-    if not slides:
-        return constant or None
-    total = position[slides[0]]
-    if constant:
-        total = total + constant
-    for slide in slides[1:]:
-        total = total + position[slide]
+) -> np.ndarray:
+    """(N,) or one number of mm: an arm in one direction."""
+    total = constant
+    if slides:
+        total = position[slides[0]] + constant if constant else position[slides[0]]
+        for slide in slides[1:]:
+            total = total + position[slide]
     return total
 
 

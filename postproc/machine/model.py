@@ -10,9 +10,18 @@ import numpy as np
 from postproc.machine import dependence, rotary
 from postproc.machine.axis import Axis
 from postproc.machine.bounds import Bounds
-from postproc.machine.chain import ROTARY, XYZ, Parts, along, summed, tip_deviation
+from postproc.machine.chain import (
+    ROTARY,
+    XYZ,
+    Parts,
+    Share,
+    along,
+    shares,
+    summed,
+    tip_deviation,
+)
 from postproc.machine.stated import Stated
-from postproc.machine.tables import PORTION, AxisTable
+from postproc.machine.tables import ALONG, PORTION, AxisTable
 from postproc.records import record
 
 Columns = dict[str, np.ndarray]
@@ -110,18 +119,39 @@ class Machine(Stated):
         the chain does not name have none. A deviation along a direction that the machine has no
         axis for is left out.
         """
-        result = np.zeros(position.shape)
-        for first in range(0, position.shape[1], PORTION):
-            part = slice(first, first + PORTION)
+        result, n = np.zeros(position.shape), position.shape[1]
+        for first in range(0, n, PORTION):
+            if n > PORTION:
+                part = slice(first, first + PORTION)
+                result[:, part] = self.deviation(position[:, part], approach[:, part], direction)
+                continue
             along = None if self._rotary else direction
-            q, each = self._at(position[:, part], approach[:, part], along)
+            q, each = self._at(position, approach, along)
             if self._rotary:
                 parts = rotary.tip_deviation(self.geometry, each, q)
             else:
-                parts = tip_deviation(self.arms, each, self.leaning, q)
+                parts = tip_deviation(self._shares[along], each, q)
             for row, own in self._ways:
-                result[row, part] = parts[own]
+                if parts[own] is not None:
+                    result[row] = parts[own]
         return result
+
+    @cached_property
+    def _shares(self) -> dict[int | None, list[Share]]:
+        """What each axis adds to the deviation, whole and along X, Y and Z."""
+        return {
+            direction: shares(self.arms, {x: self._there(x, direction) for x in self.letters},
+                              self.leaning)
+            for direction in (None, 0, 1, 2)
+        }  # fmt: skip
+
+    def _there(self, letter: str, direction: int | None) -> set[int]:
+        """The components of an axis that `_parts` gives, 0 to 5."""
+        tables = {i for t in self._live[letter] for i in t.rows}
+        if direction is not None:
+            tables &= set(ALONG[direction])
+        grown = {along(letter)} if letter in self.expansions else set()
+        return tables | grown | {i for grid in self.grids_of[letter] for i in grid.rows}
 
     @cached_property
     def _rotary(self) -> bool:

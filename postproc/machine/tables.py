@@ -24,6 +24,8 @@ from postproc.records import columns
 
 MANY = 64  # places for which a search takes longer than a few more steps
 PORTION = 16_384  # places looked up at once: the columns of more leave the processor's cache
+# those by which the machine is off along X, Y or Z: the shift, and both rotations about the others
+ALONG = ((0, 4, 5), (1, 3, 5), (2, 3, 4))
 COMPONENTS = ("EX", "EY", "EZ", "EA", "EB", "EC")  # direction; the moving axis is appended: EXZ
 
 Bins = tuple[list[int], np.ndarray, np.ndarray, dict[int, int]]
@@ -124,10 +126,8 @@ class AxisTable(BothWays):
 
     @cached_property
     def _bins_along(self) -> list[Bins]:
-        """Of those by which the machine is off along X, Y or Z: the shift, and both rotations about
-        the others."""
-        each = ((0, 4, 5), (1, 3, 5), (2, 3, 4))
-        return [self._of([i for i in self.rows if i in those]) for those in each]
+        """Of those by which the machine is off along X, Y or Z."""
+        return [self._of([i for i in self.rows if i in those]) for those in ALONG]
 
     def _of(self, rows: list[int]) -> Bins:
         """The components; value and rise (C + H, K - 1) at each interval's lower node of the mean
@@ -211,8 +211,10 @@ class AxisTable(BothWays):
         value = rise.take(interval, axis=1)
         value *= share
         value += base.take(interval, axis=1)
-        for k, i in enumerate(rows):
-            result[i] = value[k] + approach * value[half[i]] if i in half else value[k]
+        for i, column in zip(rows, value, strict=False):
+            result[i] = column
+        for i, k in half.items():
+            result[i] = result[i] + approach * value[k]
         return result
 
     def half_of(self, row: int, position: np.ndarray) -> np.ndarray | float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.flags import any_of
 from postproc.motions import FOREIGN
 from postproc.nc.columns import begins, cells
 from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, POWERS
@@ -23,11 +24,11 @@ def motion_codes(b: Writing) -> None:
     before[before == FOREIGN] = -1  # what it leaves in force is the program's own affair
     # the program named its code anew since
     anew = m.renamed | (before < NOUGHT)
-    if np.count_nonzero(anew):
+    if any_of(anew):
         before = np.where(anew, m.code, before)
     explicit, differs = m.code_word >= NOUGHT, first_code != m.code
     change: np.ndarray = NO_MOTIONS
-    if np.count_nonzero(differs):
+    if any_of(differs):
         change = (explicit & differs & (m.code != FOREIGN)).nonzero()[0]
     if len(change):
         word = m.code_word[change]
@@ -39,7 +40,7 @@ def motion_codes(b: Writing) -> None:
         )
         b.touched[change] = True
     unnamed = first_code != before
-    if np.count_nonzero(unnamed):
+    if any_of(unnamed):
         unnamed &= (m.code != FOREIGN) & ~explicit
     insert = unnamed.nonzero()[0]
     if len(insert):
@@ -70,7 +71,7 @@ def _enough(b: Writing, row: int, piece: np.ndarray, decimals: np.ndarray) -> np
         most = np.clip(b.dialect.digits - whole, decimals, MOST_DECIMALS)
     for _ in range(MOST_DECIMALS):
         wants = (ticks % (scale // POWERS[decimals]) != 0) & (decimals < most)
-        if not np.count_nonzero(wants):
+        if not any_of(wants):
             break
         decimals = decimals + wants
     return decimals
@@ -82,13 +83,13 @@ def axis_words(b: Writing) -> None:
     if len(p) > len(m):
         starts, ends = starts.take(first, axis=1), ends.take(first, axis=1)
     suspect, named = ends != m.target, m.word >= NOUGHT
-    if np.count_nonzero(m.incremental):
+    if any_of(m.incremental):
         suspect |= m.incremental & (starts != m.start)
     suspect = suspect & named & ~m.alone
     # In blocks of their own, and put into the motion's where it does not name an axis that
     # moves.
     missing = (ends != starts) & ~named
-    if np.count_nonzero(missing):
+    if any_of(missing):
         missing &= m.target_known & ~m.alone & (m.code != FOREIGN) & p.corrected[first]
     if len(m.holes):
         missing[m.holes.axis, m.holes.motion] = False
@@ -96,7 +97,7 @@ def axis_words(b: Writing) -> None:
     at = suspect.T.ravel().nonzero()[0]  # in the order of the text, nearly
     motion = at // len(suspect)
     _rewrite(b, motion, at - motion * len(suspect))
-    for row, letter in enumerate(b.axes) if len(added) or np.count_nonzero(missing) else ():
+    for row, letter in enumerate(b.axes) if len(added) or any_of(missing) else ():
         write = first[missing[row]]
         if len(added):
             moves = p.end[row, added] != p.start[row, added]

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from postproc.errors import BlockFault, Notice
+from postproc.flags import any_of
 from postproc.motions import no_presets
 from postproc.nc import codes, faults
+from postproc.nc.coded import Coded, written_codes
 from postproc.nc.columns import hold_last
 from postproc.nc.control import Control
 from postproc.nc.dialects import NO_GROUP, UNKNOWN
@@ -31,21 +33,6 @@ NO_WORDS.flags.writeable = False
 DIAM90 = codes.code_number("DIAM90")  # X is a diameter under G90, a radius under G91
 
 
-def written_codes(w: Words, place: np.ndarray) -> np.ndarray:
-    """(n,) ten times the number behind each G, KEYWORD and more for keywords; -1 for what no code
-    can be."""
-    mantissa, decimals = w.mantissa[place], w.decimals[place]
-    number: np.ndarray = mantissa * 10
-    if np.count_nonzero(decimals):
-        power = 10 ** np.minimum(decimals, 17)
-        number = np.where(decimals > 0, number // power, number)
-        number = np.where((decimals < 18) & (number * power == mantissa * 10), number, -1)
-    number[(number < 0) | (number >= codes.KEYWORD)] = -1
-    keyword = w.letter[place] == KEYWORD_LETTER
-    number[keyword] = codes.KEYWORD + mantissa[keyword]
-    return number
-
-
 @lru_cache
 def _scales(inch: bool, least: float) -> tuple[np.int64, np.int64]:
     """Ticks of one unit and of one least increment (mm)."""
@@ -65,7 +52,11 @@ def _last_digit(scale: int) -> tuple[np.ndarray, np.ndarray]:
 class Batch:
     """The columns of one batch while they are worked out."""
 
-    def __init__(self, control: Control, words: Words, state: ModalState):
+    def __init__(
+        self, control: Control, words: Words, state: ModalState, coded: Coded | None = None
+    ):
+        """coded: the words of all codes and what `written_codes` says of them, if that is known."""
+        self.coded = coded
         self.dialect, self.setup, self.rows = control.dialect, control.setup, control.rows
         self.control, self.words, self.state = control, words, state
         self.notices: list[Notice] = []
@@ -78,6 +69,7 @@ class Batch:
         self.ended = state.ended
         self.live = self._live()
         self.given: dict[str, np.ndarray] = {}  # modal group to (B,) codes, NONE where not named
+        self.filled: dict[str, np.ndarray] = {}  # the same without gaps, once they were asked for
         self.single: dict[int, np.ndarray] = {}  # code without a group to its blocks
         self.code_word = np.full(self.n, -1, np.int64)  # (B,) word of the motion code
         self.reason = np.zeros(self.n, np.int64)  # (B,) index into reasons
@@ -204,7 +196,7 @@ class Batch:
             per = scale // POWERS[np.minimum(decimals, 9)]
             most = LARGEST_WORD // np.maximum(per, 1)
         far, fine = np.abs(mantissa) > most, decimals > EXACT
-        for word in place[far & ~fine] if np.count_nonzero(far) else ():
+        for word in place[far & ~fine] if any_of(far) else ():
             text = self.words.text[self.words.start[word] : self.words.stop[word]]
             raise self.fault(
                 word,
@@ -212,7 +204,7 @@ class Batch:
                 "is a decimal point missing?",
             )
         value: np.ndarray = mantissa * per
-        for i in fine.nonzero()[0] if np.count_nonzero(fine) else ():
+        for i in fine.nonzero()[0] if any_of(fine) else ():
             over = 10 ** int(decimals[i])
             unit = int(scale.ravel()[0] if scale.size == 1 else scale[i])
             value[i] = (2 * int(mantissa[i]) * unit + over) // (2 * over)
@@ -248,7 +240,7 @@ class Batch:
                 self._carried_mode()
             return
         w = self.words
-        number = written_codes(w, place)
+        number = written_codes(w, place, self.coded)
         valid, number = number >= 0, self.dialect.meant[np.maximum(number, 0)]
         group = np.where(valid, self.dialect.group_of[number], UNKNOWN)
         bad = (group == UNKNOWN).nonzero()[0]
@@ -259,7 +251,7 @@ class Batch:
         for g in (np.bincount(group[group >= 0], minlength=len(self.dialect.groups))).nonzero()[0]:
             name, of = self.dialect.groups[g], group == g
             if name == "motion":
-                if np.count_nonzero(number == 800):
+                if any_of(number == 800):
                     others = np.bincount(block[of & (number != 800)], minlength=self.n)
                     of &= (number != 800) | (others[block] == 0)  # G80 G1: G1 holds
                 number = self._back_from_cycles(number, block, of)
@@ -326,11 +318,14 @@ class Batch:
         self.given["carried"] = column
 
     def held(self, group: str) -> Any:
-        """The code of a group in force at each block: (B,) where the batch names it, else one
-        number."""
+        """The code of a group in force at each block: (B,), not to be written to, where the batch
+        names it, else one number."""
         if group not in self.given:
             return self.state.codes.get(group, NONE)
-        return hold_last(self.given[group], self.state.codes.get(group, NONE))
+        if group not in self.filled:
+            self.filled[group] = hold_last(self.given[group], self.state.codes.get(group, NONE))
+            self.filled[group].flags.writeable = False
+        return self.filled[group]
 
     def after(self) -> dict[str, int]:
         """The codes in force behind the batch."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from postproc.flags import any_of
 from postproc.nc.state import NONE
 
 
@@ -79,7 +80,7 @@ def named_since(named: np.ndarray, at: np.ndarray, carry: bool) -> tuple[np.ndar
     before of the blocks `at` (N,), or the begin, and each, itself among them; and whether one does
     behind the last. carry: whether one does before the first block."""
     since = np.zeros(len(at), bool)
-    if not np.count_nonzero(named):
+    if not any_of(named):
         since[:1] = carry
         return since, carry and not len(at)
     if not len(at):

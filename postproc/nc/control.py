@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -46,6 +47,9 @@ class Control:
             | set(dialect.letters)
             | (set("YV") if dialect.polar == "Y" and "C" in self.rows else set())
         )
+        # units and diameters to scales that hold for them (measures.py)
+        self.measures: dict[tuple[int, int], tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
+        self.zero: Any = None  # the zero worked out last (zeros.py)
         letter = {row: u for u, row in self.increment_rows.items()}
         self.spellings = [
             (x, (x, spelled(ABSOLUTE, x)), (letter.get(row, ""), spelled(RELATIVE, x)))

@@ -14,7 +14,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.nc.batch import NO_WORDS, AxisWords, Batch, written_codes
+from postproc.flags import any_of
+from postproc.nc.batch import NO_WORDS, AxisWords, Batch
+from postproc.nc.coded import written_codes
 from postproc.nc.columns import one_of, spread
 from postproc.nc.holes import ACROSS, in_cycle
 from postproc.nc.queries import tell
@@ -49,7 +51,7 @@ def cycle_of(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
     mask = one_of(motion, b.dialect.engraves)
     return (
         _place_of_text(b, mask, motion, axis_words)
-        if np.count_nonzero(mask)
+        if any_of(mask)
         else in_cycle(b, motion, axis_words)
     )
 

@@ -11,9 +11,12 @@ takes its part of the time.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from postproc.errors import BlockFault
+from postproc.flags import any_of
 from postproc.motions import FEED, RAPID, THREAD
 from postproc.nc.lexer import Words
 from postproc.nc.writing import Writing
@@ -23,17 +26,15 @@ GROUPS = ("XYZ", "UVW", "ABC")  # the first of them that moves is the one whose 
 SAME = 0.01  # of a feed: less is what every correction does to the length of a block
 
 
-# Whole: one pass over the pieces, whose feed in force goes on.
 def kept_feeds(b: Writing) -> float:
     """Write F where a block's pieces would else be run in another time. Returns the F that the
     output has in force where the program has another one, else nan. Raises BlockFault where a
     correction would change an unknown time."""
     m, p = b.m, b.p
-    # rows of each group of axes
-    rows = [[i for i, x in enumerate(b.axes) if x in group] for group in GROUPS]
+    rows = _rows(tuple(b.axes))
     stands = b.state.feed
     special = _special(b, rows)
-    if not np.count_nonzero(special) and stands != stands:
+    if not any_of(special) and stands != stands:
         return stands
     ratio = _ratios(b, rows, special)
     first = b.first.nonzero()[0]
@@ -52,6 +53,12 @@ def kept_feeds(b: Writing) -> float:
             b.touched[i] = True
             stands = wanted if ratio[k] != 1.0 else np.nan
     return float("nan" if anew_behind else stands)
+
+
+@cache
+def _rows(axes: tuple[str, ...]) -> list[list[int]]:
+    """Rows of each group of axes."""
+    return [[i for i, x in enumerate(axes) if x in group] for group in GROUPS]
 
 
 def states_feed(words: Words) -> bool:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.flags import any_of
 from postproc.motions import Holes, no_holes
 from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.columns import hold_index
@@ -62,7 +63,7 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
     """What the cycle in force does in each of its blocks, or None. motion (B,): the motion code in
     force."""
     mask = b.dialect.is_hole[np.maximum(motion, 0)] & (motion >= 0)
-    if not np.count_nonzero(mask):
+    if not any_of(mask):
         return None
     planes = np.broadcast_to(b.held("plane"), b.n)
     cycle = b.state.cycle

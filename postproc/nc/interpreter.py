@@ -16,12 +16,14 @@ import itertools
 import numpy as np
 
 from postproc.errors import BlockFault, Notice
+from postproc.flags import any_of
 from postproc.motions import FOREIGN, Motions, join, no_motions, no_spells
 from postproc.nc import face, frames
 from postproc.nc.arcs import Circle, arcs_of
-from postproc.nc.batch import NO_WORDS, AxisWords, Batch, written_codes
+from postproc.nc.batch import NO_WORDS, AxisWords, Batch
 from postproc.nc.beside import beside_columns
 from postproc.nc.beside_refusals import refuse_beside
+from postproc.nc.coded import Coded, written_codes
 from postproc.nc.columns import at, hold_last_float, named_since, one_of, spread
 from postproc.nc.conditionals import conditionals
 from postproc.nc.control import Control, spelled
@@ -92,9 +94,9 @@ class Interpreter(Control):
     def run(self, words: Words, state: ModalState) -> tuple[Motions, ModalState, list[Notice]]:
         """Motions of a batch. Raises BlockFault for the first block that can not be followed;
         nothing is changed then."""
-        cuts = self._segments(words, state)
+        cuts, coded = self._segments(words, state)
         if len(cuts) <= 2:
-            return follow(Batch(self, words, state))
+            return follow(Batch(self, words, state, coded))
         parts, blocks, starts = [], [], []
         notices: list[Notice] = []
         for first, stop in itertools.pairwise(cuts):
@@ -110,11 +112,11 @@ class Interpreter(Control):
             notices += more
         return join(parts, blocks, starts), state, notices
 
-    def _segments(self, words: Words, state: ModalState) -> list[int]:
+    def _segments(self, words: Words, state: ModalState) -> tuple[list[int], Coded | None]:
         """Blocks at which segments begin, and the number of blocks: a block that shifts the
-        coordinates begins one."""
+        coordinates begins one; and the codes that were read for it, if any were."""
         if state.ended:
-            return [0, words.blocks]
+            return [0, words.blocks], None
         place: np.ndarray = NO_WORDS
         letters_there = words.letter.tobytes()
         if b"G" in letters_there or KEYWORD_LETTER in letters_there:
@@ -122,7 +124,7 @@ class Interpreter(Control):
         switches = tip_codes(self.dialect, self.setup)
         letters = self.dialect.shifts_at_once
         if not len(place) and not letters and not switches:
-            return [0, words.blocks]
+            return [0, words.blocks], None
         tools: list[int] = []
         if switches:
             coded = np.isin(words.mantissa, list(switches)) & (words.decimals == 0)
@@ -134,7 +136,7 @@ class Interpreter(Control):
             place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]
         ].tolist()
         ends = (words.block[place[one_of(number, self.dialect.engraves)]] + 1).tolist()
-        return sorted({0, words.blocks, *begins, *tools, *ends})
+        return sorted({0, words.blocks, *begins, *tools, *ends}), (place, number)
 
 
 def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
@@ -296,10 +298,10 @@ def columns(
         return refuse_beside(b, none)
     motion = motion[block]
     code = b.dialect.kind[np.maximum(motion, 0)]
-    if np.count_nonzero(b.foreign):
+    if any_of(b.foreign):
         code[b.foreign[block]] = FOREIGN
     inverse = spread(at(b.held("feed mode"), block), len(block)) == INVERSE
-    if np.count_nonzero(inverse):
+    if any_of(inverse):
         slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
         if chr(UNTOLD) in b.places:
             unknown = inverse & np.isin(block, b.words.block[b.places[chr(UNTOLD)]])

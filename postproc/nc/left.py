@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.flags import any_of
 from postproc.nc.batch import Batch
 from postproc.nc.codes import KEYWORD, Code
 from postproc.nc.columns import spread
@@ -31,7 +32,7 @@ def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
             mask = motion == number
         else:
             mask[b.single.get(number, [])] = True
-        if not np.count_nonzero(mask):
+        if not any_of(mask):
             continue
         if code.refuses:
             mask &= b.has_axis & ~_by_radius(b, code, mask)

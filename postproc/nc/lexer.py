@@ -22,6 +22,7 @@ from functools import cache, lru_cache
 import numpy as np
 
 from postproc.errors import BlockFault
+from postproc.flags import any_of
 from postproc.nc.faults import ADVICE_NUMBER, LONE, LONE_RETURN, advice_at, bare, what
 from postproc.nc.grammar import NUMBERLESS, SPELLED, Grammar
 from postproc.records import columns, replace
@@ -106,7 +107,7 @@ class Words:
     @property
     def slashed(self) -> int:
         """The first block with a "/" before it or within, `blocks` where none has."""
-        first = int(self.skip.argmax()) if np.count_nonzero(self.skip) else self.blocks
+        first = int(self.skip.argmax()) if any_of(self.skip) else self.blocks
         return first if self.within < 0 else min(first, _block_at(self, self.within))
 
     def part(self, first: int, stop: int, fault: BlockFault | None = None) -> Words:
@@ -208,7 +209,7 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     block = block_of_mark[first]
     after, begin = first + NEXT, here + NEXT
     signed = (mark_kind[after] == SIGNS) & (mark[after] == begin)
-    if np.count_nonzero(signed):
+    if any_of(signed):
         after, begin = after + signed, begin + signed
     pointed = mark_kind[after] == POINTS
     point = mark[after]
@@ -218,7 +219,7 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     decimals = stop - point - pointed
     digits = whole + decimals
     wrong = (digits < NEXT) | (digits > LONGEST)
-    if np.count_nonzero(wrong):
+    if any_of(wrong):
         decimals = _resolved(whole, decimals)
         digits = whole + decimals
         digits = np.where(NEEDS_NUMBER[byte[here]], digits, np.maximum(digits, 1))
@@ -235,7 +236,7 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     # Every letter, sign, point and slash that stands where it may is a mark of its own.
     right = len(first) + len(end) + np.count_nonzero(signed)
     right += np.count_nonzero(pointed) + np.count_nonzero(skip)
-    if right < len(mark) - 3 or np.count_nonzero(wrong) or np.count_nonzero(first_kind == DIGITS):
+    if right < len(mark) - 3 or any_of(wrong) or any_of(first_kind == DIGITS):
         used = is_end | is_letter
         used[(first + NEXT)[signed]] = True
         used[(after - 1)[pointed]] = True
@@ -330,7 +331,7 @@ def _mantissa(
         for i in long[np.maximum(left, right) > 8]:
             number = byte[begin[i] : begin[i] + digits[i] + pointed[i]].tobytes().replace(b".", b"")
             value[i] = int(number) if len(number) <= LONGEST_NUMBER else 0
-    return np.where(negative, -value, value) if np.count_nonzero(negative) else value
+    return np.where(negative, -value, value) if any_of(negative) else value
 
 
 def _digits(text: np.ndarray, count: np.ndarray) -> np.ndarray:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.flags import any_of
+
 MOST_DECIMALS = 9
 INSERT_WORD = 100  # rank of words put in behind a block's last one
 POWERS = 10 ** np.arange(19)
@@ -61,9 +63,7 @@ def counts(
 ) -> np.ndarray:
     """(K,) whole numbers of 10**-decimals units, nearest, half to even."""
     unit = scale if unit is None else unit
-    if len(ticks) and not (
-        np.count_nonzero(unit != unit[0]) or np.count_nonzero(decimals != decimals[0])
-    ):
+    if len(ticks) and not (any_of(unit != unit[0]) or any_of(decimals != decimals[0])):
         per = unit[0] // POWERS[decimals[0]]  # dividing by one number is several times faster
     else:
         per = unit // POWERS[decimals]

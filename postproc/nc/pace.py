@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from postproc.motions import Motions
-from postproc.nc.batch import written_codes
+from postproc.nc.coded import written_codes
 from postproc.nc.columns import hold_last, hold_last_float
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import KEYWORD_LETTER, PARAMETER

@@ -3,14 +3,17 @@ whole ticks."""
 
 from __future__ import annotations
 
-from functools import lru_cache
+import itertools
+from typing import Any
 
 import numpy as np
 
+from postproc.flags import all_of, any_of
 from postproc.nc import lengths
-from postproc.nc.batch import LINEAR, AxisWords, Batch
+from postproc.nc.batch import NO_WORDS, AxisWords, Batch
 from postproc.nc.columns import at, hold_index, hold_last
 from postproc.nc.grammar import ABSOLUTE, RELATIVE
+from postproc.nc.measures import measures
 from postproc.nc.references import away as sent_away
 from postproc.nc.state import UNSAID
 from postproc.records import mutable, replace
@@ -46,261 +49,308 @@ class Places:
 
 def position(b: Batch, block: np.ndarray, axis_words: AxisWords) -> Places:
     """Work out (A, N) start, target, what is known, and the words' scales, at the moving blocks."""
-    p, shared = _nowhere(b, len(block)), _Shared(b)
-    earlier = block - NEXT
-    idle = not (len(block) or shared.moves_without_words)
-    for letter, row in b.rows.items():
-        if idle and not any(map(len, axis_words[letter])):
-            continue
-        axis = _Axis(shared, letter, row)
-        axis.read(*axis_words[letter])
-        axis.travel()
-        axis.leave(p, block)
-        axis.write(p, block, earlier)
+    axes = _Axes(b)
+    p = axes.stand(len(block))
+    moves_without_words = axes.forgets or axes.sends or axes.held or b.cycle
+    words = itertools.chain(*axis_words.values())
+    if not (len(block) or moves_without_words or any(map(len, words))):
+        return p
+    axes.read(axis_words)
+    axes.travel()
+    axes.leave(p, block)
+    axes.write(p, block)
     return p
 
 
-def _nowhere(b: Batch, n: int) -> Places:
-    shape = (len(b.rows), n)
-    whole = [np.zeros(shape, np.int64) for _ in range(6)]
-    word = np.empty(shape, np.int64)
-    word.fill(-1)
-    return Places(
-        start=whole[0], target=whole[1], start_known=np.zeros(shape, bool),
-        target_known=np.zeros(shape, bool), word=word, incremental=np.zeros(shape, bool),
-        grid=whole[2], scale=whole[3], origin=whole[4], least=whole[5], sent=np.zeros(shape, bool),
-        changed=np.zeros(shape, bool), end_sent=np.zeros(len(b.rows), bool),
-        end_changed=_before(b, b.state.changed), end_position=b.state.position.copy(),
-        end_known=b.state.known.copy(),
-    )  # fmt: skip
-
-
-class _Shared:
-    """What all axes of a batch share: blocks whose words are no places or are places of the
-    machine, blocks that forget places, and the modal states by which a word is read."""
+class _Axes:
+    """All axes of one batch, in the order stand(), read(), travel(), leave(), write(). Columns of
+    them are (A, B), or (A, 1) where they hold throughout; words (K,) come axis by axis."""
 
     def __init__(self, b: Batch):
-        self.b = b
+        self.b, self.n = b, b.n
         self.forget = b.loses | b.foreign
-        self.any_taken, self.any_machine, self.forgets = map(
-            np.count_nonzero, (b.taken, b.machine, self.forget)
-        )
-        self.forgets += len(b.gone) + len(b.changed)
-        self.distance, self.carried = b.held("distance"), b.held("carried")
-        self.inch = b.held("units") == 200
+        self.forgets = np.count_nonzero(self.forget) + len(b.gone) + len(b.changed)
         # whether any word says by itself that it is absolute or a distance
         self.spelled = max(b.places, default="") >= chr(RELATIVE)
         self.sends = 280 in b.single or 300 in b.single
         self.sent, self.changed = _before(b, b.state.sent), _before(b, b.state.changed)
-        held = np.count_nonzero(self.sent | self.changed)
-        self.moves_without_words = self.forgets or self.sends or held or b.cycle
+        self.held = any_of(self.sent | self.changed)
 
+    def stand(self, n: int) -> Places:
+        """The places of `n` blocks in which nothing moves."""
+        b, shape = self.b, (len(self.b.rows), n)
+        start, target, grid, scale, origin, least = np.zeros((6, *shape), np.int64)
+        start_known, target_known, incremental, sent, changed = np.zeros((5, *shape), bool)
+        word = np.empty(shape, np.int64)
+        word.fill(-1)
+        return Places(
+            start=start, target=target, start_known=start_known, target_known=target_known,
+            word=word, incremental=incremental, grid=grid, scale=scale, origin=origin, least=least,
+            sent=sent, changed=changed, end_sent=np.zeros(len(b.rows), bool),
+            end_changed=self.changed.copy(), end_position=b.state.position.copy(),
+            end_known=b.state.known.copy(),
+        )  # fmt: skip
 
-class _Axis:
-    """One axis of a batch, in the order read(), travel(), leave(), write()."""
-
-    def __init__(self, shared: _Shared, letter: str, row: int):
-        b = shared.b
-        self.shared, self.b, self.letter, self.row = shared, b, letter, row
-        self.carried = letter in b.dialect.carried
-        self.distance = shared.carried if self.carried else shared.distance
-        if self.carried and b.dialect.relative_with_distance:
-            self.distance = np.where(shared.distance == 910, 910, shared.carried)
-        scale, grid = b.unit_scale(letter)
-        half = b.halves(letter)
-        self.scale, self.grid = scale // half, grid // half
-        measured = b.measured(letter)
-        self.least = places_of(b.setup.least_increment.get(measured, 1e-4)) + (
-            shared.inch if measured in LINEAR else 0
-        )
-        offset = b.offset[row] if b.offset.shape[1] > 1 else b.offset[row, 0]
-        self.offset = np.where(b.machine, 0, offset) if shared.any_machine else offset
-        self.stood, self.was_known = b.state.position[row], b.state.known[row]
-        self.cycle = b.cycle if b.cycle is not None and b.cycle.letter == letter else None
-
-    def read(self, absolute: np.ndarray, increment: np.ndarray) -> None:
-        """Set `place` (K,), the words that say where the axis goes, `by` (K,), their blocks, and
-        `is_inc` (K,), whether they are distances. Raises ProgramError."""
+    def read(self, axis_words: AxisWords) -> None:
+        """Set `place` (K,), the words that say where axes go, `axis`, `by` (K,), their axes and
+        blocks, and `is_inc` (K,), whether they are distances. Raises ProgramError."""
         b, w = self.b, self.b.words
-        place = absolute
-        if len(increment):
-            both = np.intersect1d(w.block[absolute], w.block[increment])
-            if len(both):
-                raise b.fault(
-                    increment[w.block[increment] == both[0]][0],
-                    f"{self.letter} and its increment in one block",
-                    "keep one of them",
-                )
-            place = np.sort(np.concatenate([absolute, increment]))
-        if self.shared.any_taken:
-            place = place[~b.taken[w.block[place]]]
-        if self.cycle:
-            place = place[~self.cycle.mask[w.block[place]]]
-        self.place, self.by = place, w.block[place]
-        self.relative = self.distance == 910
-        self.some_relative = self.relative is not False and np.count_nonzero(self.relative) > 0
-        if self.some_relative:
-            self.is_inc = at(self.relative, self.by) & ~b.machine[self.by]
+        self.scale, self.grid, self.least = measures(b)
+        self.offset = np.where(b.machine, 0, b.offset) if any_of(b.machine) else b.offset
+        self.increments = {x for x, (_, more) in axis_words.items() if len(more)}
+        each = [self._words(x, *axis_words[x]) for x in b.rows]
+        self.place = place = np.concatenate(each)
+        self.axis = np.arange(len(each)).repeat([len(one) for one in each])
+        self.by = w.block[place]
+        keep = None
+        if any_of(b.taken):
+            keep = ~b.taken[self.by]
+        if b.cycle is not None:
+            own = (self.axis == b.cycle.row) & b.cycle.mask[self.by]
+            keep = ~own if keep is None else keep & ~own
+        if keep is not None and np.count_nonzero(keep) < len(keep):
+            self.place, self.axis, self.by = self.place[keep], self.axis[keep], self.by[keep]
+        self._read_distances()
+        self.at = self.axis * self.n + self.by
+
+    def _words(self, letter: str, absolute: np.ndarray, increment: np.ndarray) -> np.ndarray:
+        """(k,) the words of one axis, in order."""
+        if not len(increment):
+            return absolute
+        b, w = self.b, self.b.words
+        both = np.intersect1d(w.block[absolute], w.block[increment])
+        if len(both):
+            raise b.fault(
+                increment[w.block[increment] == both[0]][0],
+                f"{letter} and its increment in one block",
+                "keep one of them",
+            )
+        return np.sort(np.concatenate([absolute, increment]))
+
+    def _read_distances(self) -> None:
+        """Which words are distances, by the modes and by themselves; `relative` (A, B): where a
+        word of an axis is one by the modes, None: nowhere; `added`: whether any is."""
+        b, w, place = self.b, self.b.words, self.place
+        modes = [self._mode(x) for x in b.rows]
+        self.relative: np.ndarray | None = None
+        if any(mode is not False and np.count_nonzero(mode) for mode in modes):
+            self.relative = np.stack([np.broadcast_to(mode, self.n) for mode in modes])
+            self.is_inc = self.relative[self.axis, self.by] & ~b.machine[self.by]
         else:
-            self.is_inc = np.zeros(len(self.by), bool)
-        self.added = 0
-        if not (self.some_relative or self.shared.spelled or len(increment)):
+            self.is_inc = np.zeros(len(place), bool)
+        self.added = False
+        if not (self.relative is not None or self.spelled or self.increments):
             return
-        if self.shared.spelled or len(increment):
-            own = w.letter[place] == ord(self.letter)
+        if self.spelled or self.increments:
+            letters = np.array([ord(x) for x in b.rows], np.uint8)
+            own = w.letter[place] == letters[self.axis]
             self.is_inc = np.where(own, self.is_inc, w.letter[place] < ABSOLUTE)
-            self._rescale(self._distances())
-        self.added = int(np.count_nonzero(self.is_inc))
+            if self.spelled or "X" in self.increments:
+                self._rescale(self._distances())
+        self.added = any_of(self.is_inc)
+
+    def _mode(self, letter: str) -> Any:
+        """(B,) or one bool: whether the modes make words of an axis distances."""
+        b = self.b
+        distance = b.held("carried" if letter in b.dialect.carried else "distance")
+        if letter in b.dialect.carried and b.dialect.relative_with_distance:
+            return (b.held("distance") == 910) | (distance == 910)
+        return distance == 910
 
     def _distances(self) -> np.ndarray:
-        """(B,) bool: where its word is a distance, or would be."""
-        found = np.broadcast_to(self.relative, self.b.n).copy()
-        found[self.by] = self.is_inc
+        """(A, B) bool: where a word of an axis is a distance, or would be."""
+        found = np.zeros((len(self.b.rows), self.n), bool)
+        if self.relative is not None:
+            found[:] = self.relative
+        found[self.axis, self.by] = self.is_inc
         return found
 
     def _rescale(self, distances: np.ndarray) -> None:
-        """Scale and grid by what each word is by itself: DIAM90."""
-        if self.letter == "X" and "diameter" in self.b.dialect.groups:
-            half = self.b.halves("X", distances)
-            self.scale, self.grid = (x // half for x in self.b.unit_scale("X"))
+        """Scale and grid of X by what each word is by itself: DIAM90."""
+        b = self.b
+        if "X" in b.rows and "diameter" in b.dialect.groups:
+            half, row = b.halves("X", distances[b.rows["X"]]), b.rows["X"]
+            self.scale, self.grid = (
+                np.array(np.broadcast_to(c, distances.shape)) for c in (self.scale, self.grid)
+            )
+            for column, unit in zip((self.scale, self.grid), b.unit_scale("X"), strict=True):
+                column[row] = unit // half
 
     def travel(self) -> None:
-        """Set `position` (B,) behind each block and `named` (B,), whether the block says it."""
-        n = self.b.n
-        self.named = np.zeros(n, bool)
-        self.named[self.by] = ~self.is_inc
-        self.due = _due(self) if self.b.dialect.increments_travel_shifts else None
-        if not (len(self.by) or self.cycle):
-            self.position = np.empty(n, np.int64)
-            self.position.fill(self.stood)
+        """Set `position` (A, B) behind each block and `named` (A, B), whether the block says it."""
+        b, n = self.b, self.n
+        shape = (len(b.rows), n)
+        self.named = np.zeros(shape, bool)
+        self.named.ravel()[self.at] = ~self.is_inc
+        self.due = self._due() if b.dialect.increments_travel_shifts else None
+        at, set_to, run = self._read_values()
+        if len(at) == self.named.size and b.cycle is None:  # every block says each: nothing is held
+            self.position = set_to.reshape(shape)
             return
-        here, set_to, run = self._read_values()
-        if len(here) == n and not self.cycle:  # every block says the place: nothing is held
-            self.position = set_to
-            return
-        base = np.zeros(n, np.int64)
-        base[here] = set_to - at(run, here)
-        if self.cycle:
-            holes = self.cycle.blocks
-            base[holes] = self.cycle.target - at(run, holes)
-            self.named[holes] = True
-        last = hold_index(self.named)
-        self.position = base[last]
-        self.position[: last.searchsorted(0)] = self.stood
-        self.position += run
+        base = np.zeros(shape, np.int64)
+        base.ravel()[at] = set_to if run is None else set_to - run.ravel()[at]
+        if b.cycle is not None:
+            row, holes = b.cycle.row, b.cycle.blocks
+            base[row, holes] = b.cycle.target - (0 if run is None else run[row, holes])
+            self.named[row, holes] = True
+        self.position = np.empty(shape, np.int64)
+        for row, named in enumerate(self.named):
+            last = hold_index(named)
+            first = int(last.searchsorted(0))
+            self.position[row, :first] = b.state.position[row]
+            base[row].take(last[first:], out=self.position[row, first:], mode="clip")
+        if run is not None:
+            self.position += run
 
-    def _read_values(self) -> tuple[np.ndarray, np.ndarray, np.ndarray | int]:
-        """(H,) blocks with an absolute place, (H,) the places in machine coordinates, and (B,) the
-        sum of the distances up to each block, 0 where there are none."""
-        value = self.b.ticks(self.place, at(self.scale, self.by))
+    def _read_values(self) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+        """(H,) the cells of (A, B) with an absolute place, (H,) the places in machine coordinates,
+        and (A, B) the sum of the distances up to each block, None where there are none."""
+        value, at = self._ticks(), self.at
         if self.due is not None and self.added:
-            value = value + np.where(self.is_inc, self.due[self.by], 0)
-        here = self.by
-        run: np.ndarray | int = 0
+            value = value + np.where(self.is_inc, self.due.ravel()[at], 0)
+        axis, run = self.axis, None
         if self.added:
-            moved = np.zeros(self.b.n, np.int64)
-            moved[here[self.is_inc]] = value[self.is_inc]
-            here, value, run = here[~self.is_inc], value[~self.is_inc], moved.cumsum()
-        return here, value + at(self.offset, here), run
+            moved, fixed = np.zeros(self.named.shape, np.int64), ~self.is_inc
+            moved.ravel()[at[self.is_inc]] = value[self.is_inc]
+            at, value, axis = at[fixed], value[fixed], axis[fixed]
+            run = moved.cumsum(axis=1)
+        whole = self.offset.shape[1] == 1
+        return at, value + self.offset.ravel().take(axis if whole else at), run
+
+    def _ticks(self) -> np.ndarray:
+        """(K,) the words in ticks."""
+        b, scale = self.b, self.scale
+        if scale.shape[1] > 1:
+            return b.ticks(self.place, scale.ravel()[self.at])
+        units = scale.ravel().tolist()
+        if len(set(units)) == 1:
+            return b.ticks(self.place, scale[0])
+        stops = self.axis.searchsorted(np.arange(len(units) + 1)).tolist()
+        return np.concatenate([
+            b.ticks(self.place[first:stop], scale[row])
+            for row, (first, stop) in enumerate(itertools.pairwise(stops))
+            if stop > first
+        ] or [NO_WORDS])  # fmt: skip
+
+    def _due(self) -> np.ndarray | None:
+        """(A, B) of `_due_of`, None where none is."""
+        each = [_due_of(self, x, row) for x, row in self.b.rows.items()]
+        if all(due is None for due in each):
+            return None
+        return np.stack([np.zeros(self.n, np.int64) if due is None else due for due in each])
 
     def leave(self, p: Places, block: np.ndarray) -> None:
-        """What G28 and G30 do with it, and `known` (B,), None where it is everywhere."""
-        b, shared = self.b, self.shared
-        drop = b.foreign if self.carried else shared.forget
-        if self.letter in b.gone:
-            drop = drop | b.gone[self.letter]
-        sent, away = bool(shared.sent[self.row]), np.zeros(b.n, bool)
-        if shared.sends and not self.carried:  # homing takes the slides away, not the filament
-            self.position, self.named, drop, away = sent_away(
-                b, self.letter, self.position, self.named, drop
-            )
-            _since(p, self.row, away, block, sent)
-        elif sent:
-            _since(p, self.row, away, block, True)
-        if self.letter in b.changed or shared.changed[self.row]:
-            drop = drop | self._changed(p, away, block, sent)
-        drop, lapses = self._lapsed(drop, away)
+        """What G28 and G30 do with axes, and `known` (A, B), None where it is everywhere."""
+        b, was = self.b, self.b.state.known
         self.known: np.ndarray | None = None
-        unsure = self.cycle is not None and not self.cycle.known
-        if not self.was_known or shared.forgets or unsure or lapses:
-            event = np.where(drop, 0, np.where(self.named, 1, -1))
-            if self.cycle is not None and unsure:
-                event[self.cycle.blocks[self.cycle.initial]] = 0
-            self.known = hold_last(event, int(self.was_known)).astype(bool)
+        unsure = b.cycle if b.cycle is not None and not b.cycle.known else None
+        lapses = bool(b.dialect.length_lapses)
+        if all_of(was) and not any((self.forgets, self.sends, self.held, unsure, lapses)):
+            return
+        known = np.ones(self.named.shape, bool)
+        for letter, row in b.rows.items():
+            drop, lapsed = self._drop(letter, row, p, block)
+            event = np.where(drop, 0, np.where(self.named[row], 1, -1))
+            mine = unsure is not None and unsure.row == row
+            if unsure is not None and mine:
+                event[unsure.blocks[unsure.initial]] = 0
+            if any((self.forgets, lapsed, mine, not was[row])):
+                known[row] = hold_last(event, int(was[row]))
+        self.known = None if all_of(known) else known
 
-    def _lapsed(self, drop: np.ndarray, away: np.ndarray) -> tuple[np.ndarray, bool]:
-        """`drop` (B,) with the blocks that take its length back, and whether there are any."""
-        if not self.b.dialect.length_lapses:
+    def _drop(self, letter: str, row: int, p: Places, block: np.ndarray) -> tuple[np.ndarray, bool]:
+        """(B,) where the place of an axis is lost, and whether its length lapses anywhere."""
+        b, carried = self.b, letter in self.b.dialect.carried
+        drop = b.foreign if carried else self.forget
+        if letter in b.gone:
+            drop = drop | b.gone[letter]
+        sent, away = bool(self.sent[row]), np.zeros(self.n, bool)
+        if self.sends and not carried:  # homing takes the slides away, not the filament
+            self.position[row], self.named[row], drop, away = sent_away(
+                b, letter, self.position[row], self.named[row], drop
+            )
+            _since(p, row, away, block, sent)
+        elif sent:
+            _since(p, row, away, block, True)
+        if letter in b.changed or self.changed[row]:
+            drop = drop | self._changed(letter, row, p, away, block)
+        if not b.dialect.length_lapses:
             return drop, False
-        by = self.by[~self.is_inc]
-        if self.cycle:
-            by = np.concatenate([by, self.cycle.blocks])
-        lapsed = lengths.lapses(self.b, self.letter, away, by)
+        by = self.by[(self.axis == row) & ~self.is_inc]
+        if b.cycle is not None and b.cycle.row == row:
+            by = np.concatenate([by, b.cycle.blocks])
+        lapsed = lengths.lapses(b, letter, away, by)
         return drop | lapsed, bool(np.count_nonzero(lapsed))
 
-    def _changed(self, p: Places, away: np.ndarray, block: np.ndarray, sent: bool) -> np.ndarray:
+    def _changed(
+        self, letter: str, row: int, p: Places, away: np.ndarray, block: np.ndarray
+    ) -> np.ndarray:
         """Fill in which motions come between a tool change and the first word of the axis. (B,)
         bool: where a tool change takes it to a place that is not known: not where a program
         that measures from there goes on in G91 (it means that the change takes the axis back), but
         for what G28 has sent away."""
-        event = np.full(self.b.n, -1)
+        b, named = self.b, self.named[row]
+        event = np.full(self.n, -1)
         event[block], event[away] = 0, 1
-        is_away = hold_last(event, int(sent)).astype(bool)
-        lost: np.ndarray = self.b.changed.get(self.letter, False) & (
-            is_away | (self.distance != 910)
-        )
-        event = np.where(self.named | away, 0, np.where(lost, 1, -1))
-        taken = self.letter in self.b.dialect.change_takes
+        is_away = hold_last(event, int(self.sent[row])).astype(bool)
+        lost: np.ndarray = b.changed.get(letter, False) & (is_away | ~self._mode(letter))
+        event = np.where(named | away, 0, np.where(lost, 1, -1))
+        taken = letter in b.dialect.change_takes
         if not taken and len(block):  # a feed that goes anywhere brings it where it was
-            goes = (p.target[: self.row] != p.start[: self.row]).any(axis=0)
-            event[block[goes & (at(self.b.held("motion"), block) != 0)]] = 0
-        since = hold_last(event, int(self.shared.changed[self.row])).astype(bool)
-        p.changed[self.row] = since[block]
-        if self.b.n:
-            p.end_changed[self.row] = since[-1]
-        return lost & taken
+            goes = (self.position.take(block, axis=1) != self._starts(block))[:row].any(axis=0)
+            event[block[goes & (at(b.held("motion"), block) != 0)]] = 0
+        since = hold_last(event, int(self.changed[row])).astype(bool)
+        p.changed[row] = since[block]
+        if self.n:
+            p.end_changed[row] = since[-1]
+        dropped: np.ndarray = lost & taken
+        return dropped
 
-    def write(self, p: Places, block: np.ndarray, earlier: np.ndarray) -> None:
-        """Fill the axis' row of `p` at the moving blocks, behind which stand the blocks
-        `earlier`."""
-        row, n = self.row, self.b.n
-        p.target[row], p.start[row] = self.position[block], self.position[earlier]
-        if self.known is None:
-            p.start_known[row] = p.target_known[row] = True
-        else:
-            p.target_known[row], p.start_known[row] = self.known[block], self.known[earlier]
+    def _starts(self, block: np.ndarray) -> np.ndarray:
+        """(A, N) ticks before the moving blocks."""
+        starts: np.ndarray = self.position.take(block - NEXT, axis=1)
         if len(block) and block[0] == 0:  # there is no block before the first
-            p.start[row, 0], p.start_known[row, 0] = self.stood, self.was_known
-        if len(self.by):
-            word = self.place
-            if len(self.by) < n:
-                word = np.empty(n, np.int64)
-                word.fill(-1)
-                word[self.by] = self.place
-            p.word[row] = word[block]
-        if self.added or self.some_relative:
+            starts[:, 0] = self.b.state.position
+        return starts
+
+    def write(self, p: Places, block: np.ndarray) -> None:
+        """Fill `p` at the moving blocks."""
+        state = self.b.state
+        p.target, p.start = self.position.take(block, axis=1), self._starts(block)
+        if self.known is None:
+            p.target_known.fill(True)
+            p.start_known.fill(True)
+        else:
+            p.target_known = self.known.take(block, axis=1)
+            p.start_known = self.known.take(block - NEXT, axis=1)
+        if len(block) and block[0] == 0:
+            p.start_known[:, 0] = state.known
+        word = np.empty(self.named.shape, np.int64)
+        word.fill(-1)
+        word.ravel()[self.at] = self.place
+        p.word = word.take(block, axis=1)
+        if self.added or self.relative is not None:
             inc = self._distances()
             if self.due is not None:  # a word put in must not travel the shift: X=AC()
                 inc &= self.due == 0
-                inc[self.by] = self.is_inc
+                inc[self.axis, self.by] = self.is_inc
                 self._rescale(inc)
-            p.incremental[row] = inc[block]
-        p.grid[row], p.least[row] = at(self.grid, block), at(self.least, block)
-        p.scale[row], p.origin[row] = at(self.scale, block), at(self.offset, block)
-        if n:
-            p.end_position[row] = self.position[-1]
-            p.end_known[row] = True if self.known is None else self.known[-1]
+            p.incremental = inc.take(block, axis=1)
+        for column, value in (
+            (p.grid, self.grid), (p.least, self.least), (p.scale, self.scale),
+            (p.origin, self.offset),
+        ):  # fmt: skip
+            column[:] = value if value.shape[1] == 1 else value.take(block, axis=1)
+        if self.n:
+            p.end_position = self.position[:, -1].copy()
+            p.end_known.fill(True)
+            if self.known is not None:
+                p.end_known[:] = self.known[:, -1]
 
 
 def _before(b: Batch, held: np.ndarray | None) -> np.ndarray:
     """(A,) what holds of each axis before the batch."""
     return np.zeros(len(b.rows), bool) if held is None else held.copy()
-
-
-@lru_cache
-def places_of(increment: float) -> int:
-    """Decimals of a least increment."""
-    return int(-round(np.log10(increment)))
 
 
 def _since(p: Places, row: int, away: np.ndarray, block: np.ndarray, carry: bool) -> None:
@@ -311,13 +361,14 @@ def _since(p: Places, row: int, away: np.ndarray, block: np.ndarray, carry: bool
     p.end_sent[row] = count[-1] > seen[-1]
 
 
-def _due(axis: _Axis) -> np.ndarray | None:
+def _due_of(axes: _Axes, letter: str, row: int) -> np.ndarray | None:
     """(B,) ticks: the change of its zero since an axis was named last, by TRANS, D, another work
     offset or SUPA, which its next increment travels too, as this control does unless it is set
     otherwise (SD42440, SD42442); that setting is not known here, so no correction may depend on it.
     None: no change anywhere."""
-    b, row, by = axis.b, axis.row, axis.by
-    frame, zero = b.frame, np.broadcast_to(axis.offset, b.n) - b.frame.shift[row]
+    b, own = axes.b, axes.axis == row
+    by, is_inc = axes.by[own], axes.is_inc[own]
+    frame, zero = b.frame, np.broadcast_to(axes.offset[row], b.n) - b.frame.shift[row]
     said = np.zeros(b.n, bool)
     said[by] = True
     last = np.concatenate([[-1], hold_index(said)[:-1]])
@@ -331,9 +382,9 @@ def _due(axis: _Axis) -> np.ndarray | None:
     if not np.count_nonzero(due):
         return None
     b.blame(
-        by[axis.is_inc & (due[by] != 0)],
-        f"an increment of {axis.letter} right after its zero or its tool length was changed:"
+        by[is_inc & (due[by] != 0)],
+        f"an increment of {letter} right after its zero or its tool length was changed:"
         " whether it travels the change is a setting of the control",
-        f"write {axis.letter} as an absolute place behind TRANS, D, G54 or SUPA",
+        f"write {letter} as an absolute place behind TRANS, D, G54 or SUPA",
     )
     return due

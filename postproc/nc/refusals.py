@@ -159,6 +159,7 @@ def refused_groups(b: Batch) -> None:
                     b.taken |= (column == number) & ~both
                     harmless = (column == number) & ~b.has_axis & (number != 100) & (not code.does)
                     column[harmless] = NONE  # G92 S: a speed limit, no position
+                    b.filled.pop(group, None)
             held = hold_last(column, before)
             refused = b.dialect.is_refused[np.maximum(held, 0)] & (held >= 0)
             for number in sorted(set(held[refused].tolist())):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from postproc.flags import any_of
 from postproc.nc.numbers import decimal_cells
 
 PORTION = 4096  # runs of text put together at once: their indices stay in the cache
@@ -90,7 +91,7 @@ class Splice:
             )
         # What is put in at a place stands before what is taken out from there on.
         place = 2 * start + (stop > start)
-        if np.count_nonzero(place[1:] <= place[:-1]):
+        if any_of(place[1:] <= place[:-1]):
             # Edits come as a few ascending runs, which two stable sorts merge much faster than
             # lexsort does.
             order = rank.argsort(kind="stable")

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.flags import any_of
 from postproc.motions import SPLINE
 from postproc.nc.batch import Batch
 from postproc.nc.columns import spread
@@ -26,7 +27,7 @@ def refuse_splines(
     """Control points that are not followed. motion (B,): the code in force; moving (B,); words of
     centres and corners by their letter."""
     spline = moving & (b.dialect.kind[np.maximum(motion, 0)] == SPLINE)
-    if not np.count_nonzero(spline):
+    if not any_of(spline):
         return
     beside = np.isin(spread(b.held("cutter"), b.n), b.dialect.beside)
     b.blame(
@@ -58,6 +59,6 @@ def spaced_column(b: Batch, block: np.ndarray, code: np.ndarray) -> np.ndarray:
     """(N,) bool whether the block of a control point says the interval of its knots. code (N,):
     kind."""
     spaced = np.zeros(len(block), bool)
-    if np.count_nonzero(code == SPLINE):
+    if any_of(code == SPLINE):
         spaced = (code == SPLINE) & names(b, INTERVAL)[block]
     return spaced

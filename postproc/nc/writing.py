@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from postproc.flags import all_of, any_of
 from postproc.motions import Motions
 from postproc.nc.columns import begins, cells
 from postproc.nc.dialects import Dialect
@@ -74,7 +75,7 @@ class Writing:
         # whether words may carry letters of other spellings
         self.spelled = dialect.grammar.is_respelled
         # whether any does
-        self.has_spelled = self.spelled and np.count_nonzero(words.letter >= RELATIVE) > 0
+        self.has_spelled = self.spelled and any_of(words.letter >= RELATIVE)
         self.names_code = ~self.first  # pieces whose block names its motion code
         self.several = ~(self.first & self.final)
         # numbers above 0 have their sign, and every block begins with its statement
@@ -149,7 +150,7 @@ class Writing:
         m, p = self.m, self.p
         motion = p.motion[piece]
         absolute: np.ndarray = cells(p.end, row, piece) - cells(m.origin, row, motion)
-        if not self.has_spelled and not np.count_nonzero(m.incremental):
+        if not self.has_spelled and not any_of(m.incremental):
             return absolute
         incremental = m.incremental[row, motion]
         if self.has_spelled:  # X=IC() holds for its own word; blocks put in follow G90 G91
@@ -180,7 +181,7 @@ class Writing:
         """(K,) the numbers that stand in the text, in 10**-decimals."""
         w = self.w
         own = w.decimals[word]
-        if not np.count_nonzero(own > decimals):
+        if not any_of(own > decimals):
             whole: np.ndarray = w.mantissa[word] * POWERS[decimals - own]
             return whole
         kept = np.minimum(own, decimals)
@@ -190,7 +191,7 @@ class Writing:
     def renumber(
         self, word: np.ndarray, value: np.ndarray, decimals: np.ndarray, where: np.ndarray
     ) -> None:
-        if np.count_nonzero(where) < len(where):
+        if not all_of(where):
             word, value, decimals = word[where], value[where], decimals[where]
         plus = None
         if self.klartext:

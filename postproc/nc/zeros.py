@@ -11,6 +11,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from postproc.flags import any_of
 from postproc.motions import Presets
 from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.columns import changes
@@ -19,23 +20,54 @@ from postproc.nc.dialects import Dialect
 from postproc.nc.queries import at_first, unit_at_first
 from postproc.nc.rows import SECOND_REFERENCE
 from postproc.nc.state import NONE, Frame, ticks_of
-from postproc.records import replace
+from postproc.records import columns, replace
 
 EXTERNAL = "EXT"
 MOST_NAMES = 8  # of offsets that are stated, in a sentence
 
 
-def offset_columns(b: Batch) -> None:
-    """`offset` (A, B) or (A, 1) ticks: where the zero of absolute words lies; unknown parts become
-    reasons."""
+@columns
+class Zero:
+    """Where the zero of absolute words lies, `offset` (A, 1) ticks, as worked out last: for this
+    frame and these offsets of the program, the code of the work offset and the tool's name."""
+
+    frame: Frame
+    offsets: dict[str, dict[str, float]]
+    work: int
+    tool: str
+    offset: np.ndarray
+
+    def holds(self, b: Batch, work: int) -> bool:
+        """Whether it does throughout a batch, in which this work offset holds."""
+        same = self.frame is b.frame and self.offsets is b.offsets
+        return same and (self.work, self.tool) == (work, b.tool)
+
+
+def _work_out(b: Batch) -> None:
+    """The same for any batch."""
     before = int(b.reason[-1]) if b.n else 0
     b.offset = work_columns(b) + b.frame.shift[:, None]
     b.zero_known = not b.frame.unknown and not (b.n and b.reason[-1] != before)
     for reason in b.frame.unknown.values():
         b.reason[:] = b.because(*reason)
+
+
+def offset_columns(b: Batch) -> None:
+    """`offset` (A, B) or (A, 1) ticks: where the zero of absolute words lies; unknown parts become
+    reasons."""
+    work, tools = b.held("work offset"), b.dialect.tool_offsets and "T" in b.places
+    if tools or not isinstance(work, int):
+        _work_out(b)
+    elif not (b.control.zero and b.control.zero.holds(b, work)):
+        count = len(b.reasons)
+        _work_out(b)
+        known = len(b.reasons) == count
+        b.control.zero = Zero(b.frame, b.offsets, work, b.tool, b.offset) if known else None
+    else:
+        b.offset = b.control.zero.offset
     if (
         b.dialect.local_is_preset
-        and np.count_nonzero(b.machine)
+        and any_of(b.machine)
         and b.frame.length[[row for x, row in b.rows.items() if x in "ABC"]].any()
     ):
         b.blame(
