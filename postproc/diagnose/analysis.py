@@ -32,7 +32,6 @@ from postproc.diagnose import (
     shared_jump,
     telegraph,
     unobservable,
-    waves,
 )
 from postproc.diagnose.answer import Diagnosis, Finding
 from postproc.diagnose.assembly import of
@@ -274,7 +273,7 @@ def _learned(
     most = [MOST * float(np.median(unit.r)) for unit in units]
     told = [_without_processes(groups, set(nuisances.RECURRENT)) for groups in own]
     own = [[g for g in groups if g.kind not in nuisances.NAMED] for groups in own]
-    plain = _plain(y, rows, units)
+    plain = _without_jumps(y, rows, units)
     for _ in range(ROUNDS):
         left = _unexplained(Evidence(plain, units, told, shared, train))
         for unit, at_most in zip(units, most, strict=True):
@@ -297,10 +296,10 @@ def _unexplained(evidence: Evidence) -> np.ndarray:
     return np.asarray(evidence.y - explained)
 
 
-def _plain(y: np.ndarray, rows: Rows, units: list[Unit]) -> np.ndarray:
-    """(N,) mm: readings y without the few clear jumps of samples in motion, their plain waves over
-    the place, and the teeth of a slide that sticks and slips: these are neither noise nor wander.
-    What changes where an axis turns is the machine's."""
+def _without_jumps(y: np.ndarray, rows: Rows, units: list[Unit]) -> np.ndarray:
+    """(N,) mm: readings y without the few clear jumps of samples in motion, and without the teeth
+    of a slide that sticks and slips: a level that changes at once is neither noise nor wander. What
+    changes where an axis turns is the machine's."""
     plain = y.copy()
     for unit in units:
         if not unit.dense:
@@ -308,7 +307,6 @@ def _plain(y: np.ndarray, rows: Rows, units: list[Unit]) -> np.ndarray:
         turns = telegraph.near_turns(rows, unit)
         for a, b in pairwise(unit.edges):
             plain[unit.rows[a:b]] = without(y[unit.rows[a:b]], turns[a:b])
-        plain[unit.rows] = waves.without(rows, plain[unit.rows], unit)
     for tooth in library.teeth(rows):
         plain -= tooth * float(tooth @ plain / (tooth @ tooth))
     return plain

@@ -3,14 +3,16 @@ late, in all axes alike.
 
 A clock that is set right at even times, over a network or by a pulse, is late as a saw-tooth
 (Mills, Internet time synchronization: the network time protocol, IEEE Trans. Communications 39,
-1991, 1482).
+1991, 1482). The rate of a quartz changes as it warms up or is slewed back: then it is late by the
+square of the time as well (Allan, Time and frequency characterization of precision clocks, IEEE
+Trans. UFFC 34, 1987, 647).
 """
 
 from itertools import product
 
 import numpy as np
 
-from postproc.effects import State, along, by_name, grid, sampled
+from postproc.effects import State, along, grid, sampled
 from postproc.effects.delay import PLAUSIBLE as PLAUSIBLE_DELAY
 
 PARAMETERS = {
@@ -18,8 +20,10 @@ PARAMETERS = {
     "whole": "1, the clocks were set alike at the start of the experiment; 0, of each recording",
     "every_s": "s, after which the recording's clock is set right; 0, it is not",
     "gone": "1, share of that time that is gone at the start of each recording",
+    "drift_us_s2": "us per s2, half of what its rate changes by",
+    "drifts": "1, its rate changes; 0, it does not",
 }
-OPTIONAL = {"whole": 0.0, "every_s": 0.0, "gone": 0.0}
+OPTIONAL = {"whole": 0.0, "every_s": 0.0, "gone": 0.0, "drift_us_s2": 0.0, "drifts": 0.0}
 SETS, GONE = (1.25, 4.5, 7), (0.05, 0.2, 0.4, 0.6, 0.8)  # times in the longest recording
 CONTINUOUS = {"every_s": (0.1, 1e5), "gone": (0.01, 0.99)}
 # Quartzes differ by 100 ppm, clocks of software by a few hundred (unverified).
@@ -34,7 +38,7 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    never = {"every_s": 0.0, "gone": 0.0}
+    never = {"every_s": 0.0, "gone": 0.0, "drifts": 0.0}
     found = [{"whole": 0.0} | never]
     found += [{"whole": 1.0} | never] if len(np.unique(state.file)) > 1 else []
     moving = state.file[state.passage >= 0] if len(state.passage) else np.zeros(0)
@@ -44,7 +48,14 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     # late in all axes alike: of one that moves alone a saw-tooth of time may be anything
     alike = sum(bool(np.any(v[sampled(state)])) for v in state.velocity.values()) > 1
     ways = product(grid(*SETS), GONE) if longest > 0 and alike else ()
-    return found + [{"whole": 0.0, "every_s": longest / n, "gone": g} for n, g in ways]
+    return found + [
+        {"whole": 0.0, "every_s": longest / n, "gone": g, "drifts": 0.0} for n, g in ways
+    ]
+
+
+def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
+    """The same clock with a rate that changes, where nothing sets it right."""
+    return [shape | {"drifts": 1.0}] if not shape["every_s"] and not shape["drifts"] else []
 
 
 def sensible(ppm: float, every_s: float = 0.0, **_: float) -> bool:
@@ -53,7 +64,12 @@ def sensible(ppm: float, every_s: float = 0.0, **_: float) -> bool:
 
 
 def columns(
-    state: State, axis: str, whole: float = 0.0, every_s: float = 0.0, gone: float = 0.0
+    state: State,
+    axis: str,
+    whole: float = 0.0,
+    every_s: float = 0.0,
+    gone: float = 0.0,
+    drifts: float = 0.0,
 ) -> np.ndarray:
     late = state.time.astype(float)
     for file in () if whole else np.unique(state.file):
@@ -63,10 +79,28 @@ def columns(
         times = late / every_s + gone
         # what is never set right in a recording is a rate and a delay
         late = every_s * (times % 1.0) * bool(times.max(initial=0.0) >= 1.0)
+    powers = [late, late**2] if drifts else [late]
     return sum(
-        (along(x, -v * late * 1e-3) for x, v in state.velocity.items()),
-        np.zeros((1, 3, len(state))),
+        (along(x, *(-v * p * 1e-3 for p in powers)) for x, v in state.velocity.items()),
+        np.zeros((len(powers), 3, len(state))),
     )
 
 
-parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "ppm")
+def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    named = {"ppm": float(coefficients[0])} | OPTIONAL | shape
+    if len(coefficients) > 1:
+        named["drift_us_s2"] = float(coefficients[1])
+    return {name: named[name] for name in PARAMETERS}
+
+
+def coefficients(
+    ppm: float,
+    whole: float = 0.0,
+    every_s: float = 0.0,
+    gone: float = 0.0,
+    drift_us_s2: float = 0.0,
+    drifts: float = 0.0,
+) -> tuple[np.ndarray, dict[str, float]]:
+    drifts = drifts or float(drift_us_s2 != 0.0)
+    sizes = [ppm, drift_us_s2] if drifts else [ppm]
+    return np.array(sizes), {"whole": whole, "every_s": every_s, "gone": gone, "drifts": drifts}

@@ -66,12 +66,18 @@ def creeps(state: State, axis: str, fastest_mm_s: float) -> np.ndarray:
 
 
 def ways(state: State, axis: str) -> np.ndarray:
-    """(W, N) mm since the last turn, of the samples of each row."""
-    samples = state.inside.get(axis)
+    """(W, N) mm since the last turn, or since a motion began of which no turn is known, of the
+    samples of each row."""
+    samples, since = state.inside.get(axis), state.distance[axis].copy()
+    endless = since >= ENDLESS
+    for passage in np.unique(state.passage[endless]) if len(state.passage) else ():
+        own = endless & (state.passage == passage) & (passage >= 0)
+        place = state.position[axis][own]
+        since[own] = np.abs(place - place[:1])
     if samples is None:
-        return state.distance[axis][None]
+        return since[None]
     gone = (samples - state.position[axis]) * state.approach[axis]
-    return np.clip(state.distance[axis] + gone, 0.0, ENDLESS)
+    return np.clip(since + gone, 0.0, ENDLESS)
 
 
 def _since_slip(
