@@ -5,8 +5,8 @@ the covariance that the readings really have (noise, wander, the map's error; ze
 generator's oracle knows it, in the place of one that is learned from them. The name of the block
 that is worth most is compared with the truth. Where it is another one, the forms of the library are
 what is missing, or two names say the same: no better account of the noise finds the truth there.
-For development: a family that is held back is not for it. Left out are long traces whose samples the tool
-averages.
+For development: a family that is held back is not for it. Left out are long traces whose
+samples the tool averages.
 """
 
 from __future__ import annotations
