@@ -211,6 +211,57 @@ def test_a_clock_is_set_right_every_so_often():
     assert moved("clock_skew", state, "", ppm=100.0) == approx([0.0, -2.0, -3.5, -8.0])
 
 
+def test_a_clock_whose_rate_changes_is_late_by_the_square_of_the_time():
+    """100 us a second and 50 us a second squared less, 10 mm/s: level after 2 s."""
+    state = State(
+        {"X": np.zeros(4)},
+        {"X": np.ones(4)},
+        LIMITS,
+        velocity={"X": np.full(4, 10.0)},
+        time=np.array([5.0, 6.0, 7.0, 9.0]),
+        file=np.zeros(4),
+    )
+    named = {"ppm": 100.0, "drift_us_s2": -50.0}
+    assert moved("clock_skew", state, "", **named) == approx([0.0, -0.5, 0.0, 4.0])
+    clock = effects.load("clock_skew")
+    plain = {"whole": 0.0, "every_s": 0.0, "gone": 0.0, "drifts": 0.0}
+    (fuller,) = clock.fuller(plain, state, "")
+    assert clock.parameters(np.array([100.0, -50.0]), fuller) == clock.OPTIONAL | named | fuller
+    assert clock.fuller(plain | {"every_s": 4.0}, state, "") == []
+
+
+def test_no_frame_drifts_within_minutes():
+    """Of a test of four minutes no drift is asked for; of one of twenty, none that comes within
+    a minute."""
+    for lasts, soonest in ((240.0, None), (1200.0, 60.0)):
+        state = State(
+            {"X": np.zeros(2)},
+            {"X": np.ones(2)},
+            LIMITS,
+            time=np.array([100.0, 100.0 + lasts]),
+            file=np.zeros(2),
+            channels={"T_air_C": np.array([20.0, 20.5])},
+        )
+        shapes = effects.load("structure_drift").shapes(state, "X")
+        comes = [abs(s["tau_s"]) for s in shapes if not s["creep"] and not s["cycle_s"]]
+        assert min(comes, default=None) == soonest
+
+
+def test_a_slide_that_creeps_from_the_start_sticks_and_slips_from_there():
+    """No turn is known: it sticks from where its motion began, at 10 mm, 2 mm at a time."""
+    place = np.array([10.0, 10.0, 11.0, 11.9, 12.1])
+    state = State(
+        {"X": place},
+        {"X": np.ones(5)},
+        LIMITS,
+        velocity={"X": np.array([0.0, 1.0, 1.0, 1.0, 1.0])},
+        distance={"X": np.full(5, effects.ENDLESS)},
+        passage=np.zeros(5),
+    )
+    found = moved("stick_slip", state, period_mm=2.0, size_um=4.0)
+    assert found == approx([0.0, 2.0, 0.0, -1.8, 1.8])
+
+
 def test_one_axis_leads_and_the_other_lags_more():
     """X lags by 4 ms, Y leads by 2: apart by 6 ms, 1 ms in the mean. Two axes that both lag are two
     lags."""

@@ -57,6 +57,9 @@ class Scored:
         # All are of plausible size: the one that is worth less than 8 goes.
         ({(FRICTION,): 296.0, (LAG,): 200.0}, set(), (FRICTION,)),
         ({(FRICTION,): 290.0, (LAG,): 200.0}, set(), (FRICTION, LAG)),
+        # Of what is left when one goes, a set of no plausible size stands for nothing.
+        ({(FRICTION,): 305.0, (LAG,): 295.0}, {((FRICTION,), FRICTION)}, (LAG,)),
+        ({(FRICTION,): 305.0, (LAG,): 200.0}, {((FRICTION,), FRICTION)}, (FRICTION, LAG)),
         # None is of plausible size.
         (
             {(FRICTION,): 290.0, (LAG,): 200.0},

@@ -11,6 +11,7 @@ import pytest
 from postproc import recordings
 from postproc.diagnose import intervals, library, rounding, spectra
 from postproc.diagnose.analysis import diagnose
+from postproc.diagnose.noise import _locally as locally
 from postproc.effects import State, cyclic, waves_of
 from postproc.machine import places
 from postproc.machine.file import read_machine
@@ -100,6 +101,34 @@ def test_of_even_targets_no_wave_is_told_from_a_slow_curve():
     places = 25.0 * np.arange(22)
     assert at_targets(places, 8.0 * np.cos(2 * np.pi * places / 1.5625)) == []  # one phase
     assert at_targets(places, 8.0 * np.cos(2 * np.pi * places * (0.64 + 0.5 / 525))) == []
+
+
+def test_samples_of_an_axis_that_stands_hide_no_wave():
+    """250 samples over 50 mm show 3 mm; 10,000 at one place, as sure, leave it as it is."""
+    place = np.concatenate([np.full(10_000, 40.0), np.linspace(40.0, 90.0, 250)])
+    moves = np.arange(len(place)) >= 10_000
+    rows = SimpleNamespace(
+        state=SimpleNamespace(
+            position={"X": place},
+            velocity={"X": 30.0 * moves},
+            passage=np.zeros(len(place)),
+            inside={},
+        ),
+        signal=np.zeros(len(place), int),
+    )
+    wave = 2.0 * np.cos(2 * np.pi * place / 3.0) * moves
+    best, *_ = spectra.in_place(rows, "X", wave, np.ones(len(place)))
+    assert best == pytest.approx(3.0, abs=0.01)
+
+
+def test_a_wave_of_many_samples_is_no_burst_of_noise():
+    """Of 0.3 um of white noise, a wave of 5 um and 25 samples a period in a tenth of the samples
+    scatters no more; white noise of 5 um does."""
+    noise, burst = RNG.normal(0.0, 0.3, 3000), np.arange(3000) >= 2700
+    wave = 5.0 * np.cos(2 * np.pi * np.arange(3000) / 25.0) * burst
+    steady = np.zeros(3000)
+    assert np.median(locally(noise + wave, steady, True)[burst]) < 1.5
+    assert np.median(locally(noise + RNG.normal(0.0, 5.0, 3000) * burst, steady, True)[burst]) > 9
 
 
 def test_what_comes_with_a_wave_is_small_beside_it():
