@@ -342,18 +342,18 @@ def learned(
 
 def _locally(values: np.ndarray, rounding: np.ndarray, dense: bool) -> np.ndarray:
     """(n,) by how much the readings around each scatter more or less than all of them, by medians;
-    1 where that is chance. Samples of a motion by their second differences: neither a stretch that
+    1 where that is chance. Samples of a motion by their third differences: neither a stretch that
     lies off nor a wave of many samples scatters, and less than the rounding (n,) says nothing."""
-    size = np.hypot(_second(values), rounding) if dense else np.abs(values)
+    size = np.hypot(_third(values), rounding) if dense else np.abs(values)
     usual = max(float(np.median(size)), 1e-12)
     around = median_filter(size, AROUND, mode="nearest") / usual
     return np.where(np.abs(np.log(np.maximum(around, 1e-3))) > CHANCE, np.clip(around, *LOCAL), 1.0)
 
 
-def _second(values: np.ndarray) -> np.ndarray:
-    """(n,) second differences, of white noise as large as its first ones are."""
-    differences = np.diff(values, 2, prepend=values[:1], append=values[-1:])
-    return np.asarray(differences * np.sqrt(2.0 / 6.0))
+def _third(values: np.ndarray) -> np.ndarray:
+    """(n,) third differences, of white noise as large as its first ones are."""
+    differences = np.diff(values, 3, prepend=values[:1].repeat(2), append=values[-1:])
+    return np.asarray(differences * np.sqrt(2.0 / 20.0))
 
 
 def autoregression(parts: list[np.ndarray]) -> tuple[np.ndarray, float, float]:

@@ -54,8 +54,10 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
-    """The same clock with a rate that changes, where nothing sets it right."""
-    return [shape | {"drifts": 1.0}] if not shape["every_s"] and not shape["drifts"] else []
+    """The same clock with a rate that changes, where each recording begins on time and nothing
+    sets it right."""
+    own = not shape["whole"] and not shape["every_s"] and not shape["drifts"]
+    return [shape | {"drifts": 1.0}] if own else []
 
 
 def sensible(ppm: float, every_s: float = 0.0, **_: float) -> bool:

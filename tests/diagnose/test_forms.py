@@ -228,6 +228,7 @@ def test_a_clock_whose_rate_changes_is_late_by_the_square_of_the_time():
     (fuller,) = clock.fuller(plain, state, "")
     assert clock.parameters(np.array([100.0, -50.0]), fuller) == clock.OPTIONAL | named | fuller
     assert clock.fuller(plain | {"every_s": 4.0}, state, "") == []
+    assert clock.fuller(plain | {"whole": 1.0}, state, "") == []
 
 
 def test_no_frame_drifts_within_minutes():
