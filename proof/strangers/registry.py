@@ -1,12 +1,11 @@
 """Register of textbook forms: effect name -> list of (form, family, function).
 
 Seven families of kinds: "open" to development; "held" back from it, until a trial has shown them;
-"fresh", "sealed" and "unseen", whose cases were looked at after a trial; "later", of which trials
-have shown figures alone; "apart", which no trial has used. A case draws from its own family and
-from the open one; one of "later" or "apart" draws its forms, noises, aliens and plans from its own
-alone (what rounds a reading, a gross error and the tests of the tier "blind" are the frame's).
-Forms, noises and aliens of the last five bear numbers for names, so that the page of a trial does
-not give away what they are.
+"fresh", "sealed", "unseen" and "later", whose cases were looked at after trials; "apart", of which
+trials show figures alone. A case draws from its own family and from the open one; one of "later" or
+"apart" draws its forms, noises, aliens and plans from its own alone (what rounds a reading, a gross
+error and the tests of the tier "blind" are the frame's). Forms, noises and aliens of the last five
+bear numbers for names, so that the page of a trial does not give away what they are.
 """
 
 from __future__ import annotations
