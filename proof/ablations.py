@@ -1,8 +1,9 @@
-"""What each part of the diagnosis is worth: `python -m proof.ablations [--kinds held] [--seed S]
+"""What each part of the diagnosis is worth: `python -m proof.ablations [--kinds later] [--seed S]
 [--share 0.5]`.
 
 The same cases of `proof/strangers` are answered by the whole tool and by the tool without one of
-its parts, which is taken out while it runs. For development: the kinds `fresh` are not for it.
+its parts, which is taken out while it runs. For development: a family that is held back is not
+for it.
 
 Of `--share 0.4` (50 cases of the open kinds). P, R: precision and recall of pairs; aliens: called
 unknown, and names in one. Differences of one case are not significant. Without the threshold from
@@ -53,6 +54,7 @@ from postproc.diagnose import (
 )
 from proof import laid, score, trial_run
 from proof.strangers import make
+from proof.strangers.registry import FAMILIES
 
 TIERS = {"null": 30, "adversarial": 10, "single": 50, "pair": 20, "alien": 16}
 Patch = tuple[Any, str, Any]
@@ -82,6 +84,9 @@ PARTS: dict[str, Callable[[], list[Patch]]] = {
     "without shapes between those of the grid": lambda: [(shapes, "polished", _unpolished)],
     "without a threshold from drawn nulls": lambda: [
         (search.Search, "calibrate", lambda self, rng: None)
+    ],
+    "without the commonest of names that say the same": lambda: [
+        (search.Search, "_commonest", lambda self, best, states: best)
     ],
     "without burst noise": lambda: [(telegraph, "levels", lambda rows, units: [None] * len(units))],
     "without a look at the thermometers": lambda: [
@@ -114,7 +119,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m proof.ablations", description=__doc__.splitlines()[0]
     )
-    parser.add_argument("--kinds", choices=("open", "held"), default="open")
+    parser.add_argument("--kinds", choices=FAMILIES, default="open")
     parser.add_argument("--seed", default="ablations")
     parser.add_argument("--share", type=float, default=1.0, help="of the cases of every tier")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
