@@ -147,7 +147,7 @@ def test_the_text_says_what_where_how_large_how_sure_and_what_next(found):
     assert not re.search(r"play|= -1\b|: ,|:\s*$|\bnan\b|:\.|  um", text.replace("\n", "|\n"))
 
 
-def test_a_map_that_foretells_nothing_is_said_to_be_of_no_use(found):
+def test_a_map_that_predicts_nothing_is_said_to_be_of_no_use(found):
     cell = SimpleNamespace(low=10.0, high=10.0, approach=1, rows=5, mean=3e-3, error=2e-4)
     left = SimpleNamespace(
         signal=0,
