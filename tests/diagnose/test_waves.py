@@ -97,7 +97,7 @@ def test_no_fine_wave_is_found_where_some_wave_fits_as_well_by_chance():
         assert at_targets(places, rng.normal(0.0, 5.0, number)) == []
 
 
-def test_of_even_targets_no_wave_is_told_from_a_slow_curve():
+def test_of_even_targets_no_wave_is_distinguished_from_a_slow_curve():
     places = 25.0 * np.arange(22)
     assert at_targets(places, 8.0 * np.cos(2 * np.pi * places / 1.5625)) == []  # one phase
     assert at_targets(places, 8.0 * np.cos(2 * np.pi * places * (0.64 + 0.5 / 525))) == []
