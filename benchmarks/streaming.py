@@ -9,7 +9,7 @@ The models are those of the tests (tests/streaming): Marlin with its checks and 
 bytes, GRBL with a buffer that drops. Each job is a process of its own on a pseudo-terminal. A
 sender that says nothing for --limit seconds is stopped: it hangs. "executed otherwise" counts jobs
 of which the controller executed another program than the one sent; "and said done" those of them
-that ended as a success: a spoiled part that nobody knows of.
+that ended as a success: a spoiled part that goes unnoticed.
 """
 
 from __future__ import annotations

@@ -173,8 +173,8 @@ class Filter:
         self.warmth: HeatState | None = self.heat.initial() if self.heat else None
         self._rest = b""
         self._numbering = checksums.START
-        self._begun = False
-        self._told: dict[str, float] = {}
+        self._percent_seen = False
+        self._reported: dict[str, float] = {}
         self._counted: dict[str, Notice] = {}
 
     # -- the two verbs -----------------------------------------------------------------------------
@@ -253,9 +253,9 @@ class Filter:
                 "'%' begins a command of the sender",
                 "what it does to the axes is not known here: take it out",
             )
-        if self._begun:
+        if self._percent_seen:
             self.modal = replace(self.modal, ended=True)
-        self._begun = True
+        self._percent_seen = True
         self.summary.lines += 1
         return line
 
@@ -313,7 +313,7 @@ class Filter:
         self.written = written
         self.contours = contours
         self.warmth = warmth
-        self._begun |= bool(len(words.letter))
+        self._percent_seen |= bool(len(words.letter))
         self.summary.lines += words.text.count(b"\n")
         self.summary.motions += len(motions)
         self.summary.changed += changed
@@ -386,7 +386,7 @@ class Filter:
             self.notices[:] = [n for n in self.notices if n.code != notice.code]
             self.notices.append(replace(notice, message=notice.message.format(*notice.counts)))
             return
-        if self._told.get(notice.code, -1.0) < notice.size:
-            self._told[notice.code] = notice.size
+        if self._reported.get(notice.code, -1.0) < notice.size:
+            self._reported[notice.code] = notice.size
             self.notices[:] = [n for n in self.notices if n.code != notice.code]
             self.notices.append(notice)

@@ -76,9 +76,9 @@ class Led:
             before, off = self.side[row, leg], command[row] - self.far[row, leg]
             turned = np.abs(off) > self.slides.band[row]
             turned &= (off * before < 0) | (before == 0)
-            untold = 2 * half[k] <= self.slides.hysteresis
-            rests = np.where(turned & ~(rapid & untold), np.sign(off), before)
-            side[row] = np.where(untold & (sense[row] != 0), sense[row], rests)
+            below_hysteresis = 2 * half[k] <= self.slides.hysteresis
+            rests = np.where(turned & ~(rapid & below_hysteresis), np.sign(off), before)
+            side[row] = np.where(below_hysteresis & (sense[row] != 0), sense[row], rests)
             low, high = command[row] - half[k], command[row] + half[k]
             slide = np.minimum(np.maximum(self.slide[row, leg], low), high)
             part = (command[row] - slide) / np.maximum(half[k], LEAST)
@@ -139,7 +139,7 @@ class _Slide:
 
     def move(self, begin: float, end: float, half: float) -> tuple[float, float, float]:
         """Command from begin to end, mm, with half the play. Side, far and place before it."""
-        if begin != begin or end != end:  # from or to nobody knows where
+        if begin != begin or end != end:  # from or to an unknown place
             self.place, self.far, self.side = end, end, 0.0
             return 0.0, end, end
         if self.place != self.place:

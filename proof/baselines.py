@@ -4,7 +4,7 @@ Gaussian process; STLSQ.
 All get what gcomp has: its reader, the map taken off, its white noise, and the same nuisances with
 their usual sizes (zeros of set-ups and of runs, centres of ballbars, the map's own error), so that
 only the way of explaining differs. Autoregression and wander they do not get: gcomp learns the size
-of these beside every set of effects, and with a stated size the baselines foretold held-out runs
+of these beside every set of effects, and with a stated size the baselines predicted held-out runs
 worse in five of six cases. All are trained on what gcomp is trained on and judged on what it holds
 out: the last run of every recording that has three at least.
 
@@ -273,8 +273,8 @@ def _ranked(p: Problem, sizes: dict[str, np.ndarray]) -> list[str]:
     """Names whose part is material in some signal, the largest first."""
     worth = {}
     for name, part in sizes.items():
-        swings = [np.ptp(part[p.rows.signal == s]) / 2 for s in np.unique(p.rows.signal)]
-        if max(swings) > MATERIAL:
+        amplitudes = [np.ptp(part[p.rows.signal == s]) / 2 for s in np.unique(p.rows.signal)]
+        if max(amplitudes) > MATERIAL:
             worth[name] = float(np.std(part))
     return sorted(worth, key=lambda n: -worth[n])
 

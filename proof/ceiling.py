@@ -74,7 +74,7 @@ class Covariance:
             read = np.zeros(recording.n_obs, bool)
             number = next(i for i, r in enumerate(oracle.recs) if r is recording)
             read[self.reading[(table.file == number) & (self.channel == channel)]] = True
-            # what is foretold from an unread one
+            # what is predicted from an unread one
             behind = np.convolve(~read, np.ones(1 + MOST_ORDER))[: len(read)] > 0
             oracle.parts[k][4][behind] = UNREAD
         oracle.ready = [oracle.prepare(*part) for part in oracle.parts]

@@ -101,7 +101,7 @@ def number(
     return Line(name, quantile(values, q), len(values), None, least, most)
 
 
-def _told(o: Outcome, k: int | None = None) -> str:
+def _described(o: Outcome, k: int | None = None) -> str:
     said = ", ".join(o.names) or "nothing"
     truth = "" if k is None else f"{o.truths[k]} of {o.peaks[k]:.1f} um: "
     return (
@@ -119,15 +119,15 @@ def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
     found = [
         share(
             "nulls with any name",
-            [(bool(o.names), _told(o)) for o in of.get("null", [])],
+            [(bool(o.names), _described(o)) for o in of.get("null", [])],
             most=0.01,
         ),
         share(
             "adversarial nulls with any name",
-            [(bool(o.names), _told(o)) for o in of.get("adversarial", [])],
+            [(bool(o.names), _described(o)) for o in of.get("adversarial", [])],
             most=0.02,
         ),
-        share("nulls called unknown", [(o.unknown, _told(o)) for o in none]),
+        share("nulls called unknown", [(o.unknown, _described(o)) for o in none]),
     ]
     for low, high, least in ((8.0, 16.01, 0.93), (4.0, 8.0, 0.85), (2.0, 4.0, 0.55)):
         found.append(
@@ -140,21 +140,26 @@ def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
     found += [
         share(
             "  the same where no other name explains it as well",
-            [(o.top[k], _told(o, k)) for o in single for k in range(len(o.truths)) if o.apart[k]],
+            [
+                (o.top[k], _described(o, k))
+                for o in single
+                for k in range(len(o.truths))
+                if o.apart[k]
+            ],
         ),
         share(
             "  truth among the names or their equivalents",
-            [(o.in_set[k], _told(o, k)) for o in single for k in range(len(o.truths))],
+            [(o.in_set[k], _described(o, k)) for o in single for k in range(len(o.truths))],
         ),
         share(
             "one effect: right, given that something was named",
-            [(any(o.top), _told(o)) for o in single if o.names and o.truths],
+            [(any(o.top), _described(o)) for o in single if o.names and o.truths],
             0.97,
         ),
         share(
             "pairs and triples: precision",
             [
-                (n not in o.wrong, f"{_told(o)}; hidden {', '.join(o.truths)}")
+                (n not in o.wrong, f"{_described(o)}; hidden {', '.join(o.truths)}")
                 for o in several
                 for n in o.names
             ],
@@ -162,13 +167,13 @@ def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
         ),
         share(
             "pairs and triples: recall",
-            [(o.named[k], _told(o, k)) for o in several for k in range(len(o.truths))],
+            [(o.named[k], _described(o, k)) for o in several for k in range(len(o.truths))],
             0.78,
         ),
         share(
             "  of these, pairs that are easily taken for each other",
             [
-                (o.named[k], _told(o, k))
+                (o.named[k], _described(o, k))
                 for o in several
                 for k in range(len(o.truths))
                 if confused(o.truths)
@@ -184,7 +189,9 @@ def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
             )
         )
     withheld = [
-        (o.in_set[k], _told(o, k)) for o in of.get("withheld", []) for k in range(len(o.truths))
+        (o.in_set[k], _described(o, k))
+        for o in of.get("withheld", [])
+        for k in range(len(o.truths))
     ]
     found.append(share("driver withheld: truth named or in the set", withheld, 0.6))
     found += [
@@ -208,7 +215,7 @@ def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
     ]
     alien = [o for o in of.get("alien", []) if o.truths]
     found += [
-        share("alien physics: called unknown", [(o.unknown, _told(o, 0)) for o in alien], 0.9),
+        share("alien physics: called unknown", [(o.unknown, _described(o, 0)) for o in alien], 0.9),
         Line(
             "alien physics: library names a case",
             _mean([len(o.names) for o in alien]),
@@ -219,7 +226,7 @@ def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
         ),
         share(
             "one effect, well named: called unknown all the same",
-            [(o.unknown, _told(o)) for o in single if any(o.top)],
+            [(o.unknown, _described(o)) for o in single if any(o.top)],
             most=0.05,
         ),
     ]
@@ -247,14 +254,16 @@ def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
     found[-1].most = 0.98
     found += [
         number("seconds a case: median", [o.seconds for o in outcomes], 0.5, most=2.0),
-        share("cases without an answer", [(bool(o.failed), _told(o)) for o in outcomes], most=0.0),
+        share(
+            "cases without an answer", [(bool(o.failed), _described(o)) for o in outcomes], most=0.0
+        ),
     ]
     return found
 
 
 def _by_size(outcomes: list[Outcome], low: float, high: float, what: str) -> list[tuple[bool, str]]:
     return [
-        (getattr(o, what)[k], _told(o, k))
+        (getattr(o, what)[k], _described(o, k))
         for o in outcomes
         for k in range(len(o.truths))
         if low <= o.peaks[k] < high

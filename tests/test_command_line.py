@@ -63,7 +63,7 @@ def test_a_file_that_is_called_almost_as_a_command_is_a_program(tmp_path, monkey
         ["batch", "--version"],
     ],
 )
-def test_the_version_is_told_beside_anything(capfd, words):
+def test_the_version_is_reported_beside_anything(capfd, words):
     assert main(words) == 0
     assert capfd.readouterr().out == f"gcomp {__version__}\n"
 

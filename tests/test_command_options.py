@@ -165,7 +165,7 @@ def test_verify_says_what_is_left(place, corrected):
     assert "2 motions in" in ran.err
 
 
-def test_progress_is_told_as_linuxcnc_reads_it(place):
+def test_progress_is_reported_as_linuxcnc_reads_it(place):
     (place / "long.nc").write_bytes(zigzag(60_000))
     ran = gcomp(place, "--machine", "perfect", "--filter-progress", "long.nc", "-o", "out.nc")
     assert ran.status == 0

@@ -110,7 +110,7 @@ def test_without_standard_output_there_is_a_message(place, corrected):
 
 
 @has_full
-def test_a_full_standard_output_is_told(place):
+def test_a_full_standard_output_is_reported(place):
     for line in (
         "$GCOMP --machine studer-s36 part.nc",
         "$GCOMP machines",

@@ -67,7 +67,7 @@ def test_a_machine_that_nobody_measured_yet_lacks_everything(tmp_path):
     assert found[1] == "all of X, all of Y, all of Z: never measured"
 
 
-def test_a_squareness_is_told_over_the_whole_travel():
+def test_a_squareness_is_reported_over_the_whole_travel():
     """A mill whose axes go from -100 to 300 mm: 100 urad over 400 mm are 40 um."""
     mill = places.load("example-mill")
     axes = {x: replace(a, travel=(-100.0, 300.0)) for x, a in mill.axes.items()}

@@ -163,7 +163,7 @@ def test_a_slide_behind_the_tip_has_no_side_where_it_came_from_nowhere(monkeypat
     )
     side, after = sides.of_slides(b)
     assert side.tolist() == [[1, 0, 0, 1, 0, 1]]
-    assert after.side.tolist() == [1] and after.begun.all()
+    assert after.side.tolist() == [1] and after.located.all()
 
 
 # -- by hand ---------------------------------------------------------------------------------------
@@ -182,9 +182,9 @@ def test_a_slide_that_corrections_alone_turn_is_taken_over_its_play(tmp_path):
 
 
 def test_what_turns_back_within_the_hysteresis_is_held(tmp_path):
-    """The straightness of X takes Y 0.8 um up and down again: it is taken up at first (nobody knows
-    the side before), and then held at the top. With a hysteresis of 0.4 um its 12 um of play are
-    taken up where it turns."""
+    """The straightness of X takes Y 0.8 um up and down again: it is taken up at first (the side
+    before is unknown), and then held at the top. With a hysteresis of 0.4 um its 12 um of play
+    are taken up where it turns."""
     table = "X_mm,EYX_um\n-400,0\n0,0\n50,-0.8\n100,0\n400,0\n"
     text = "G0 X0 Y0 Z0\nG1 Y1 F500\nX100\nX120\nM2\n"
     m = machine(tmp_path / "m", backlash("Y", 12.0), X=table)

@@ -316,7 +316,7 @@ def test_what_lengths_are_worth_is_carried_to_the_path(tmp_path, capsys):
     )
 
 
-def test_what_leans_is_told_with_its_size_at_the_far_end(tmp_path, capfd):
+def test_what_leans_is_reported_with_its_size_at_the_far_end(tmp_path, capfd):
     """A machine of a lean alone has no nodes: 2,828 urad over 210 mm were "0.0 um"."""
     words = "--kind printer --control marlin --travel X=0,250 --travel Y=0,210 --travel Z=0,210"
     line = ["machines", "new", "bed", *words.split(), "-o", tmp_path / "bed"]

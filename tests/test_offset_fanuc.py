@@ -73,7 +73,7 @@ def test_fanuc_steps_add_to_what_stands_there():
     }
 
 
-def test_fanuc_integers_are_whole_units_and_told():
+def test_fanuc_integers_are_whole_units_and_reported():
     found = of("G10 L2 P1 X10 Y0")
     assert found.work == {"G54": {"X": 10, "Y": 0}}
     assert told(found, "decimal point")

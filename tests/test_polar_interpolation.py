@@ -80,7 +80,7 @@ def test_what_x_misses_by_lies_away_from_the_line_of_c(which, half, tmp_path):
     assert verifier.passed
 
 
-def test_what_goes_across_is_told_along_the_second_coordinate(tmp_path):
+def test_what_goes_across_is_reported_along_the_second_coordinate(tmp_path):
     """EYX = +10 um everywhere, along which no slide goes: at (20, 0) C is turned back by as much,
     10 um at 20 mm."""
     machine = load(plain(CHAINS[0], EYX=0.010), tmp_path, "fanuc-lathe")
@@ -279,7 +279,7 @@ def test_what_is_refused(lines, before, said, tmp_path):
         corrected(machine, "fanuc-lathe", program(lines, before=before))
 
 
-def test_a_way_to_the_middle_is_told_as_such(tmp_path):
+def test_a_way_to_the_middle_is_reported_as_such(tmp_path):
     """And not as a map too steep: what is off across the way turns half around there."""
     truth = plain(CHAINS[0], EXX=0.010, EYX=0.008)
     truth.table["X"][2][0] = -0.010

@@ -57,7 +57,7 @@ def test_home_is_where_g28_puts_the_axes():
         "--start counts behind G28"
     )
     unknown = written("G28\n" + behind + "G90\nG1 X50 Y50 Z5\n")
-    assert unknown[3] == "G1 X5 Y3 E1" and unknown[5].startswith("G1 X49.9"), "nobody knows where"
+    assert unknown[3] == "G1 X5 Y3 E1" and unknown[5].startswith("G1 X49.9"), "unknown place"
 
 
 def test_home_is_not_the_start_of_a_program_on_a_mill():
@@ -83,7 +83,7 @@ def test_home_is_not_the_start_of_a_program_on_a_mill():
     ],
 )
 def test_g28_homes_the_axes_that_it_names(homing, known):
-    """The others stand where nobody knows: G29 has been before."""
+    """The others stand at unknown places: G29 has been before."""
     of = dialects.load("marlin")
     machine = replace(mill(*ALL), home=HOME).carrying(of.carried)
     filter_ = Filter(machine, of, setup_of(machine))

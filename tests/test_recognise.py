@@ -97,7 +97,7 @@ def test_every_program_is_of_a_dialect():
 
 
 @pytest.mark.parametrize("name", sorted(PROGRAMS))
-def test_a_program_with_signs_is_told_from_all_others(name):
+def test_a_program_with_signs_is_distinguished_from_all_others(name):
     text = PROGRAMS[name].encode()
     assert between(text) == [name], verdict(text)
     evidence = dict(recognise(text))[name]

@@ -314,7 +314,7 @@ def test_the_line_that_opens_the_tape_is_delivered_too():
     assert refusal(GRINDER, Case("", ""), "%\nG1 X\n").delivered == b"%\n"
 
 
-def test_the_first_of_several_faults_is_told():
+def test_the_first_of_several_faults_is_reported():
     error = refusal(GRINDER, Case("", ""), HEAD + "G1 X30. F10\nG1 X400.\nX1 X2\nG999\n#1=1\n")
     assert error.place.line == 6
     assert "outside the error table" in error.message

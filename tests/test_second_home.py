@@ -18,7 +18,7 @@ PLACE = {"X": -5.0, "Y": 7.0, "Z": 90.0}
 
 
 def stands(dialect: str, *blocks: str) -> dict[str, float | None]:
-    """mm by axis; None: nobody knows."""
+    """mm by axis; None: unknown."""
     setup = Setup(
         ("X", "Y", "Z"),
         start=dict.fromkeys("XYZ", 1.0),

@@ -104,7 +104,7 @@ def test_where_the_others_stood_counts_by_slide(tmp_path):
     assert e[m.letters.index("X")] == pytest.approx(100e-6 * (50 + 25 - 20), abs=1e-12)
 
 
-def test_a_second_slide_is_told_in_mm_and_over_its_travel(tmp_path):
+def test_a_second_slide_is_reported_in_mm_and_over_its_travel(tmp_path):
     """In the facts for programs and on the page; the volume reaches as far as W does."""
     text = HEAD.format(chain="w-X-b-Z-W-t")
     for x in "XZW":

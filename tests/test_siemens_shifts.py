@@ -51,7 +51,7 @@ def test_shifts_of_single_axes(text, ends):
 
 
 @pytest.mark.parametrize("text", ["ATRANS X5|G58 X7", "G59 X5|G59 X6", "TRANS X1|ATRANS Y2|G58 X3"])
-def test_what_part_is_replaced_of_a_shift_in_parts_is_not_told_apart(text):
+def test_what_part_is_replaced_of_a_shift_in_parts_is_not_distinguished(text):
     assert "write TRANS and ATRANS" in follow(text)[1]
     assert follow(text + "|TRANS X1") == ([2, 2, 3], " ")
 

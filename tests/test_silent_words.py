@@ -97,7 +97,7 @@ def test_variables_and_waits_of_a_sender_do_not_end_the_program(run, dialect):
 
 @pytest.mark.parametrize("end", ["M30", "M2", "%"])
 @pytest.mark.parametrize("cut", [0, 1, 2, 3, 4, 5])
-def test_blocks_behind_the_end_of_a_sent_program_are_told(run, end, cut):
+def test_blocks_behind_the_end_of_a_sent_program_are_reported(run, end, cut):
     lines, notices = run(f"%|{HEAD}{end}|(X1)|G1 Z-40. F100|Z-39.", "grbl", cut)
     (told,) = [n for n in notices if n.code == "behind"]
     assert lines[-2:] == ["G1 Z-40. F100", "Z-39."]
@@ -105,7 +105,7 @@ def test_blocks_behind_the_end_of_a_sent_program_are_told(run, end, cut):
     assert "stay as they are" in told.message
 
 
-def test_blocks_behind_m30_of_a_control_that_ends_there_are_not_told(run):
+def test_blocks_behind_m30_of_a_control_that_ends_there_are_not_reported(run):
     assert not run(f"{HEAD}M30|G1 Z-40. F100", "fanuc-mill")[1]
 
 

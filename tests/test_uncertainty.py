@@ -246,7 +246,7 @@ def test_hysteresis_is_read_in_um(tmp_path):
     assert machine(tmp_path, MILL + "[limits]\nhysteresis_um = 0\n").limits.hysteresis == 0.0
 
 
-def test_two_effects_of_one_name_are_told_apart(tmp_path):
+def test_two_effects_of_one_name_are_distinguished(tmp_path):
     wave = EFFECT.replace("10.0", "{}")
     m = machine(
         tmp_path, MILL + wave.format("10.0") + "u_amplitude_um = 1.0\n" + wave.format("4.0")

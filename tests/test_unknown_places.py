@@ -248,7 +248,7 @@ def test_feeds_between_a_tool_change_and_the_new_length_stay_as_they_are():
 
 
 def test_what_else_is_not_known_is_refused_behind_a_tool_change_too():
-    """Y is bent by X, and G28 has sent X where nobody knows."""
+    """Y is bent by X, and G28 has sent X to an unknown place."""
     m = mill("EYX", "EYZ")
     text = "G21 G90 G40 G49 G80\nG28 G91 X0 Z0\nG90\nT1 M6\nG54\n{}G43 Z15. H1\nG1 X5.\nM30\n"
     offsets = {"G54": {}, "H1": {"Z": 0.0}}

@@ -129,7 +129,7 @@ def diagnose(
     ]
     read = [formats.read(source, options=ReadingOptions(strict=False)) for source in sources]
     model = without_errors(model) if corrected(read, compensated) else model
-    found = analysed(read, model, Options(held_out=held_out, told=told))
+    found = analysed(read, model, Options(held_out=held_out, progress=told))
     answer = report.of_files(found, {s.name: s.sha256 for s in sources})
     names = tuple(f.block.key for f in found.findings if f.status == "accepted")
     return Diagnosed(found.verdict, names, report.as_text(found), answer, found)

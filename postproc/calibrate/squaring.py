@@ -98,13 +98,13 @@ def _compare(chosen: Squareness, sources: dict[str, Squareness]) -> Iterator[Fin
             continue
         apart = (other.value - chosen.value) / URAD
         u = np.hypot(chosen.u or 0.0, other.u or 0.0) / URAD
-        doubt = abs(apart) > APART * u and bool(u)
+        disagrees = abs(apart) > APART * u and bool(u)
         text = (
             f"{chosen.name} is {chosen.value / URAD:+.1f} urad ({chosen.source}); {other.source}"
             f" would give {other.value / URAD:+.1f}, {apart:+.1f} apart with u = {u:.1f} urad"
         )
         yield Finding(
-            "squareness", "doubt" if doubt else "note", chosen.name, text,
+            "squareness", "doubt" if disagrees else "note", chosen.name, text,
             {"apart_urad": apart, "u_urad": u},
         )  # fmt: skip
 

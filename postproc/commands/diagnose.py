@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
         found = diagnose(
             read,
             without_errors(machine) if left else machine,
-            Options(held_out=options.holdout, told=progress),
+            Options(held_out=options.holdout, progress=progress),
         )
     finally:
         progress("")  # a refusal has its line to itself

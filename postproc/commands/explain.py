@@ -164,7 +164,7 @@ def _second_opinion(text: str, mine: dict[str, list[float]]) -> str:
     return says
 
 
-def _told(machine: Machine, place: np.ndarray) -> str:
+def _shown(machine: Machine, place: np.ndarray) -> str:
     """A place (A, 1) in words."""
     return " ".join(f"{x} {place[k, 0]:.4f}" for k, x in enumerate(machine.letters))
 
@@ -189,10 +189,10 @@ def _motion(filter_, known: MapUncertainty, motions: Motions, pieces: Pieces, i:
     if machine.growth:
         machine = growth.grown(machine, machine.growth, motions.heat[:, i] * filter_.heat.step)
     machine = seen_in(machine, length, space, filter_.options.orientation)
-    says, slides = [f"to {_told(machine, target)} (slide position, mm)"], target
+    says, slides = [f"to {_shown(machine, target)} (slide position, mm)"], target
     if isinstance(machine, TipMachine):
         slides = machine.slides(target)
-        says = [f"to {_told(machine, target)} (tool tip, mm); slides to {_told(machine, slides)}"]
+        says = [f"to {_shown(machine, target)} (tool tip, mm); slides to {_shown(machine, slides)}"]
     if machine.is_zero:
         return says
     turn = filter_.carry.sides.side[:, None].astype(float)

@@ -101,8 +101,8 @@ def _check(machine: Machine, options: argparse.Namespace) -> int:
     """What is doubtful, then what is not measured. Returns DOUBTFUL where something is in doubt."""
     as_json.put(options.json, machine_facts.document([machine_facts.of(machine)]))
     out = as_json.beside(options.json)
-    doubtful = implausible(machine)
-    for text in doubtful:
+    findings = implausible(machine)
+    for text in findings:
         print(f"in doubt: {text}", file=out)
     for text in lacks(machine):
         print(f"not in this map: {text}", file=out)
@@ -112,6 +112,6 @@ def _check(machine: Machine, options: argparse.Namespace) -> int:
             " in machine.toml",
             file=out,
         )
-    if not doubtful:
+    if not findings:
         print(f"{machine.name}: nothing in it is doubtful", file=out)
-    return DOUBTFUL if doubtful else 0
+    return DOUBTFUL if findings else 0

@@ -85,11 +85,11 @@ def run(options: argparse.Namespace) -> int:
             f"gcomp: {options.output}: {reception.lines} lines, {reception.size} bytes received",
             file=sys.stderr,
         )
-    as_json.put(options.json, _told(options, url, reception, why))
+    as_json.put(options.json, _report(options, url, reception, why))
     return status
 
 
-def _told(
+def _report(
     options: argparse.Namespace, url: str, reception: Reception, why: str
 ) -> dict[str, object]:
     return {

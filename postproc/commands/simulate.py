@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
     text, name, own = _program(options, machine)
     _spares(options, text if own else b"()")
     if own and _is_all(options, text):
-        as_json.put(options.json, _told(options, machine, name))
+        as_json.put(options.json, _report(options, machine, name))
         return 0
     instrument = _instrument(options, own)
     module = instruments.load(instrument)
@@ -82,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
         "rows": len(recording), "seconds": round(run_.duration, 3), "columns": _ranges(recording),
         "notices": _facts(notices),
     }  # fmt: skip
-    as_json.put(options.json, _told(options, machine, name) | found)
+    as_json.put(options.json, _report(options, machine, name) | found)
     return 0
 
 
@@ -183,7 +183,7 @@ def _say(options: argparse.Namespace, notices: list[Notice], last: str) -> None:
     print(last, file=sys.stderr)
 
 
-def _told(options: argparse.Namespace, machine: Machine, name: str) -> dict[str, Any]:
+def _report(options: argparse.Namespace, machine: Machine, name: str) -> dict[str, Any]:
     """What was run, and where what came of it stands."""
     return {
         "format": FORMAT, "machine": machine.name, "program": name, "with": list(options.terms),

@@ -56,7 +56,7 @@ def of(
         )
     log.check(read, used)
     begin = _begin(read, options.log_begin, live)
-    _told_by_then(read, used, begin)
+    _require_recorded(read, used, begin)
     tolerance = options.tolerance or max(
         max(a.least_increment for a in machine.axes.values()), 0.0005
     )
@@ -83,7 +83,7 @@ def _begin(read: log.Log, said: str | None, live: bool) -> float:
     return begin
 
 
-def _told_by_then(read: log.Log, used: list[str], begin: float) -> None:
+def _require_recorded(read: log.Log, used: list[str], begin: float) -> None:
     """Raises UsageError where a column has no reading yet when the program begins."""
     for column in used:
         first = float(read.recorded(column)[0])

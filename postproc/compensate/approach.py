@@ -35,12 +35,12 @@ FAR = np.int64(2**62)  # ticks: a clamp that far apart holds nothing
 class Sides:
     """What of the lost motion one batch hands to the next. side (A,): -1, 0 (unknown), +1;
     middle (A,): ticks, the state r; taken (A,): ticks of the ramp that have been travelled, from
-    -reach to +reach; begun (A,): whether the axis has stood at a known place."""
+    -reach to +reach; located (A,): whether the axis has stood at a known place."""
 
     side: np.ndarray
     middle: np.ndarray
     taken: np.ndarray
-    begun: np.ndarray
+    located: np.ndarray
 
 
 def initial(axes: int) -> Sides:

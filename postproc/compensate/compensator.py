@@ -66,7 +66,7 @@ class Compensator(Settings):
             space, length = one.spaces[int(one.space[0])], one.length[:, 0]
             try:
                 space = self._beside(carry, space, one)
-                carry = self._retold(carry, space, length, one)
+                carry = self._transformed(carry, space, length, one)
                 # where the machine stands is no longer what the nominal position needs
                 if carry.heat != heat:
                     carry = replace(carry, heat=heat, sure=carry.sure and span[0] > 0.0)
@@ -86,7 +86,7 @@ class Compensator(Settings):
         """Runs of motions of one tool, in one space, equally warm: the first and the one behind the
         last, from where to where in t, and how warm. A motion that lasts long is one by itself for
         each of its spells."""
-        both = np.concatenate([motions.length, motions.space[None], *_told(motions.heat)])
+        both = np.concatenate([motions.length, motions.space[None], *_heat_rows(motions.heat)])
         spells = motions.spells
         edges = (both[:, 1:] != both[:, :-1]).any(axis=0)
         long = np.zeros(len(motions), bool)
@@ -122,7 +122,7 @@ class Compensator(Settings):
         slides = poses.out_of(self.machine, frame, length, carry.issued[:, None] / TICKS_PER_MM)
         return replace(space, beside=float(slides[row, 0] - one.start[row, 0] / TICKS_PER_MM))
 
-    def _retold(
+    def _transformed(
         self, carry: Carry, space: Space | None, length: np.ndarray, motions: Motions
     ) -> Carry:
         """The carry with `issued` told in a space, with a tool of `length` (A,) ticks; sides are
@@ -247,7 +247,7 @@ class Compensator(Settings):
         return b
 
 
-def _told(heat: np.ndarray) -> list[np.ndarray]:
+def _heat_rows(heat: np.ndarray) -> list[np.ndarray]:
     return [heat] if len(heat) else []
 
 

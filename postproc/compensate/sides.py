@@ -74,12 +74,12 @@ class Course:
         whole, rows = self.b.carry.sides, self.rows
         carry = Sides(
             side=whole.side.take(rows), middle=whole.middle.take(rows),
-            taken=whole.taken.take(rows), begun=whole.begun.take(rows),
+            taken=whole.taken.take(rows), located=whole.located.take(rows),
         )  # fmt: skip
-        if all_of(carry.begun):
+        if all_of(carry.located):
             return carry
         place = in_ticks(self.b.end_nominal[rows, 0]) - self.travel[:, 0]
-        return replace(carry, middle=np.where(carry.begun, carry.middle, place))
+        return replace(carry, middle=np.where(carry.located, carry.middle, place))
 
     def before(self, column: np.ndarray, first: np.ndarray) -> np.ndarray:
         """(T, S) what a column (T, S) was before each stroke."""
@@ -113,9 +113,9 @@ class Course:
         if len(free):
             at, weight = at.take(free), self.spread(side.take(free, axis=1))
             found = commands(b, at, b.t1.take(at), b.reached.take(at, axis=1), weight)
-            told = b.correctable.take(at, axis=1)
-            if not all_of(told):
-                found = np.where(told, found, result.take(free, axis=1))
+            correctable = b.correctable.take(at, axis=1)
+            if not all_of(correctable):
+                found = np.where(correctable, found, result.take(free, axis=1))
             result[:, free] = found
         return result
 
@@ -264,16 +264,18 @@ def of_slides(b: Columns) -> tuple[np.ndarray, Sides]:
         wanted = commands(b, which, b.t1[which], nominal, np.zeros_like(nominal))
         place[:, which] = np.rint(b.machine.slides(wanted) * TICKS_PER_MM).astype(np.int64)
     carry = b.carry.sides
-    if not carry.begun.all() and b.known_before[0]:
+    if not carry.located.all() and b.known_before[0]:
         begin = np.rint(b.machine.slides(b.begin_nominal[:, :1])[:, 0] * TICKS_PER_MM).astype(
             np.int64
         )
-        carry = replace(carry, middle=np.where(carry.begun, carry.middle, begin))
+        carry = replace(carry, middle=np.where(carry.located, carry.middle, begin))
     lost = np.broadcast_to(given, place.shape)
     side, middle = bear(place, b.c.band, np.zeros_like(place), lost, np.zeros_like(lost), carry)
     side = np.where(b.machine.two_way[:, None], side, 0)
-    begun = carry.begun | bool(ends.any())
-    return side.astype(float), replace(carry, side=side[:, -1], middle=middle[:, -1], begun=begun)
+    located = carry.located | bool(ends.any())
+    return side.astype(float), replace(
+        carry, side=side[:, -1], middle=middle[:, -1], located=located
+    )
 
 
 def nominal_sides(b: Columns) -> tuple[np.ndarray, Sides]:
@@ -300,10 +302,10 @@ def carried(
     for whole, part in zip(after, (side, middle, taken), strict=True):
         if part is not None:
             whole[course.rows] = part[:, -1]
-    begun = s.begun
-    if not all_of(begun):
-        begun = begun | b.m.target_known.any(axis=1)
-    return Sides(side=after[0], middle=after[1], taken=after[2], begun=begun)
+    located = s.located
+    if not all_of(located):
+        located = located | b.m.target_known.any(axis=1)
+    return Sides(side=after[0], middle=after[1], taken=after[2], located=located)
 
 
 def follow(b: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:

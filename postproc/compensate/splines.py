@@ -120,8 +120,8 @@ def _prove(b: Batch, course: Course, stroke: np.ndarray) -> None:
     knots = _knots(course, last)
     grid = b.m.grid[b.rows][:, b.motion[stroke]].max(axis=0) / TICKS_PER_MM
     allowed = _allowed(b, own, grid)
-    doubt = off + _bend(b, course.written[:, window]) + knots > allowed
-    for i in doubt.nonzero()[0]:
+    uncertain = off + _bend(b, course.written[:, window]) + knots > allowed
+    for i in uncertain.nonzero()[0]:
         points, wanted = course.written[:, window[i]], course.wanted[:, window[i]]
         sides = [[float(side[i]) for side in row] for row in ways]
         left = _tight(b, points, wanted, sides) + float(knots[i])

@@ -60,11 +60,11 @@ SHORTEST = 1.0  # mm: over less nothing leans
 
 @dataclass(frozen=True)
 class Options:
-    """held_out: "run=3", or "" for the middle run of every recording that has three at least; told:
-    called with a word on each step."""
+    """held_out: "run=3", or "" for the middle run of every recording that has three at least;
+    progress: called with a word on each step."""
 
     held_out: str = ""
-    told: Callable[[str], None] = field(default=lambda word: None)
+    progress: Callable[[str], None] = field(default=lambda word: None)
 
 
 # Whole: the order of a diagnosis, a line to a step.
@@ -73,20 +73,20 @@ def diagnose(
 ) -> Diagnosis:
     """Raises RecordingError or UsageError for what can not be compared."""
     options = options or Options()
-    options.told("reading")
+    options.progress("reading")
     recordings, left_out = plausibility.connected(recordings)
     usable = plausibility.checked(recordings, machine)
     rows, stood = part_place.placed(of(usable.recordings, machine), machine)
-    doubted = map_agreement.doubts(usable.recordings, rows, machine)
+    disagreements = map_agreement.disagreements(usable.recordings, rows, machine)
     rows, units, faults = _cleaned(rows)
     held, held_name = held_out.of(rows, options.held_out, recordings)
     # What was asked to be kept apart is not looked at; else all readings name, and a run that is
     # left out of the fit judges the sizes.
     train = ~held if options.held_out else np.ones(len(rows), bool)
     jumps = _jumps(rows, units, train)
-    options.told("learning the noise")
+    options.progress("learning the noise")
     evidence = _learned(rows, machine, units, train, jumps)
-    options.told("building the dictionary")
+    options.progress("building the dictionary")
     search = Search(Sets(rows, evidence, _shown(library.blocks(rows), train)))
     if not evidence.blocks and not np.isin(rows.sees, ("part", "angle")).any():
         raise RecordingError(
@@ -95,22 +95,22 @@ def diagnose(
             "record at several places, from both sides; gcomp simulate --test writes such a"
             " program",
         )
-    options.told("calibrating")
+    options.progress("calibrating")
     search.calibrate(np.random.default_rng(SEED))
-    options.told("locating")
+    options.progress("locating")
     places = _places(rows, evidence, search.sets.null().fit, train)
-    options.told("forces and currents")
+    options.progress("forces and currents")
     driven = drive.drives(usable.recordings)
-    options.told("choosing")
-    state = causes.told(search, search.run(), driven)
-    options.told("showing")
+    options.progress("choosing")
+    state = causes.attributed(search, search.run(), driven)
+    options.progress("showing")
     found = [findings.of_member(search, state, k) for k in state.members]
     last = evidence.learn(state.fit.chosen, None, state.fit.on, STEPS)
     said = shares(evidence, last)
     alone = shares(evidence, evidence.learn((), None, steps=0)) | {"map": said["map"]}
     before, after = evidence.y - _fixed(alone), evidence.y - _fixed(said) - said["effects"]
     if held.any() and train.all():
-        before[held], after[held] = _foretold(search, state, held)
+        before[held], after[held] = _predicted(search, state, held)
     # they stand behind the map's terms
     at = evidence.shared.shape[1] - sum(columns.shape[1] for _, columns in jumps)
     for jump, columns in jumps:
@@ -153,7 +153,7 @@ def diagnose(
             *_notices(machine, state.fit, evidence),
             *_leaning(rows, evidence, found),
         ],
-        doubts=map_agreement.remaining(doubted, rows, machine, _formed(rows, found)),
+        disagreements=map_agreement.remaining(disagreements, rows, machine, _formed(rows, found)),
         scatter=scatter(evidence, last, said),
     )
     diagnosis.unknown = judge.judged(diagnosis, search.sets, state)
@@ -161,15 +161,15 @@ def diagnose(
     return diagnosis
 
 
-def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _predicted(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(H,) mm, (H,) mm: what is left of the readings that are held out without and with the effects
-    that were found, everything fitted to the others; what no other run foretells (its own jumps,
+    that were found, everything fitted to the others; what no other run predicts (its own jumps,
     the phase of an oscillation) as it was found."""
     whole, fit = search.sets.evidence, state.fit
     y = whole.y.copy()
     own = np.zeros(len(y))
     for k in state.members:
-        if not judge.foretold(whole.blocks[k]):
+        if not judge.predictable(whole.blocks[k]):
             own += whole.blocks[k].columns @ search.sets.value(fit, k)
     units = [p.whole for p in whole.parts]
     groups = [
@@ -181,7 +181,7 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
     on = frozenset((left.index(u), kind) for u, kind in fit.on if u in left)
     chosen: list[int] = []
     for k in fit.chosen:
-        if judge.foretold(whole.blocks[k]):
+        if judge.predictable(whole.blocks[k]):
             stated = float(whole.slab[whole.columns_of((k,))][0]) if k in whole.fixed else 0.0
             chosen += rest.add([whole.blocks[k]], stated)
     said = shares(rest, rest.learn(tuple(chosen), None, on, STEPS))
@@ -213,29 +213,30 @@ def _fixed(said: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def _cleaned(rows: Rows) -> tuple[Rows, list[Unit], list[tuple[int, int, str, float]]]:
-    """Rows without lone outliers, their instruments, and what was left out."""
+    """Rows without isolated outliers, their instruments, and what was left out."""
     units = noise.units(rows)
     sigma = np.empty(len(rows))
     for unit in units:
         sigma[unit.rows] = unit.r
-    lone, off = isolated.isolated(rows, rows.residual, sigma)
+    departure, off = isolated.isolated(rows, rows.residual, sigma)
     for unit in units:
         if unit.dense:  # what a turn sets off may last for one sample
             size = isolated.in_motion(rows.residual[unit.rows], rows.run[unit.rows])
             off[unit.rows] = size * ~telegraph.near_turns(rows, unit)
-            lone[unit.rows] = np.where(off[unit.rows] > 0, np.inf, 0.0)
+            departure[unit.rows] = np.where(off[unit.rows] > 0, np.inf, 0.0)
     faults = [
         (int(rows.file[k]), int(rows.line[k]), "outlier", float(off[k]))
-        for k in np.flatnonzero(lone >= DROPPED)
+        for k in np.flatnonzero(departure >= DROPPED)
     ]
-    keep = lone < DROPPED
-    rows, doubtful = (
+    keep = departure < DROPPED
+    rows, inflation = (
         rows.pick(keep),
-        np.maximum(1.0, lone[keep] / 2) * (lone[keep] > ALONE) + (lone[keep] <= ALONE),
+        np.maximum(1.0, departure[keep] / 2) * (departure[keep] > ALONE)
+        + (departure[keep] <= ALONE),
     )
     units = noise.units(rows)
     for unit in units:
-        unit.r = unit.r * doubtful[unit.rows]
+        unit.r = unit.r * inflation[unit.rows]
     return rows, units, faults
 
 
@@ -271,11 +272,11 @@ def _learned(
         *(Group("jump", columns, FREE) for _, columns in jumps),
     ]
     most = [MOST * float(np.median(unit.r)) for unit in units]
-    told = [_without_processes(groups, set(nuisances.RECURRENT)) for groups in own]
+    stationary = [_without_processes(groups, set(nuisances.RECURRENT)) for groups in own]
     own = [[g for g in groups if g.kind not in nuisances.NAMED] for groups in own]
     plain = _without_jumps(y, rows, units)
     for _ in range(ROUNDS):
-        left = _unexplained(Evidence(plain, units, told, shared, train))
+        left = _unexplained(Evidence(plain, units, stationary, shared, train))
         for unit, at_most in zip(units, most, strict=True):
             noise.learned(
                 unit, left[unit.rows], rows.rounding[unit.rows], train[unit.rows], at_most
@@ -307,8 +308,8 @@ def _without_jumps(y: np.ndarray, rows: Rows, units: list[Unit]) -> np.ndarray:
         turns = telegraph.near_turns(rows, unit)
         for a, b in pairwise(unit.edges):
             plain[unit.rows[a:b]] = without(y[unit.rows[a:b]], turns[a:b])
-    for tooth in library.teeth(rows):
-        plain -= tooth * float(tooth @ plain / (tooth @ tooth))
+    for sawtooth in library.sawtooths(rows):
+        plain -= sawtooth * float(sawtooth @ plain / (sawtooth @ sawtooth))
     return plain
 
 

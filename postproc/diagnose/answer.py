@@ -35,7 +35,7 @@ class Finding:
     status: str = "accepted"
     text: str = ""  # where the effect's own sentence would say too little
     next_test: str = ""
-    foretells: bool = True  # whether a curve says what targets read that took no part in its fit
+    predictive: bool = True  # whether a curve says what targets read that took no part in its fit
     names: dict[str, float] = field(default_factory=dict)
     aliases: list[float] = field(default_factory=list)
 
@@ -66,7 +66,7 @@ class Diagnosis:
     noise: np.ndarray
     unknown: Unknown | None = None
     notices: list[str] = field(default_factory=list)
-    doubts: list[str] = field(default_factory=list)
+    disagreements: list[str] = field(default_factory=list)
     drives: list[drive.Drive] = field(default_factory=list)
     scatter: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
@@ -74,7 +74,7 @@ class Diagnosis:
     def verdict(self) -> str:
         if any(f.status == "accepted" for f in self.findings) or any(felt(self)):
             return "left-out-physics"
-        return "unknown" if self.unknown or self.doubts else "nothing-left-out"
+        return "unknown" if self.unknown or self.disagreements else "nothing-left-out"
 
 
 def felt(d: Diagnosis) -> Iterator[tuple[drive.Drive, drive.Fitted]]:

@@ -190,11 +190,11 @@ def _filled(name: str, state: State) -> np.ndarray:
     known, timed = np.isfinite(values), _timed(state)
     mean = known.any() and name not in NONE_ELSEWHERE
     filled = np.where(known, values, values[known].mean() if mean else 0.0)
-    told = known & timed
-    if not name.startswith("T_") or not told.any():
+    timed_known = known & timed
+    if not name.startswith("T_") or not timed_known.any():
         return filled
-    order = np.argsort(state.time[told], kind="stable")
-    t, level = state.time[told][order], values[told][order]
+    order = np.argsort(state.time[timed_known], kind="stable")
+    t, level = state.time[timed_known][order], values[timed_known][order]
     if room is not None and (felt := np.isfinite(room) & timed).any():
         first = np.flatnonzero(felt)[np.argmin(state.time[felt])]
         if state.time[first] < t[0]:

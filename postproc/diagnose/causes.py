@@ -24,7 +24,7 @@ LAG, FRICTION = "servo_lag", "viscous_friction"
 STIFF = 0.1, 1000.0
 
 
-def told(search: Search, state: Found, drives: Sequence[Drive]) -> Found:
+def attributed(search: Search, state: Found, drives: Sequence[Drive]) -> Found:
     """The set in which a lag that the drive's force shows to be viscous friction has that name."""
     of_axis = {d.axis: d for d in drives if d.unit == "N"}
     members = [search.sets.blocks[k] for k in state.members]

@@ -17,8 +17,8 @@ import numpy as np
 from postproc.effects.stick_slip import CRITICAL
 
 FEWEST, FEWEST_SAMPLES = 12, 64  # slips of a stroke; samples of one
-CLEAR = 4.0  # times the noise of a sample: a tooth
-HALF = 0.5  # of the usual tooth: what counts as another one
+CLEAR = 4.0  # times the noise of a sample: a sawtooth
+HALF = 0.5  # of the usual sawtooth: what counts as another one
 # of third differences, the share that no slip is in where cycles have eight samples or more; that
 # quantile of a normal distribution
 QUIET, OF_NORMAL = 0.25, 0.3186
@@ -66,7 +66,7 @@ def of(place: np.ndarray, lag: np.ndarray, velocity: np.ndarray, run: np.ndarray
         if not creeps[a] or b - a < FEWEST_SAMPLES:
             continue
         gone = np.abs(place[a:b] - place[a])
-        found = _teeth(lag[a:b], gone)
+        found = _sawtooth(lag[a:b], gone)
         if found is None:
             continue
         at, height = found
@@ -78,7 +78,7 @@ def of(place: np.ndarray, lag: np.ndarray, velocity: np.ndarray, run: np.ndarray
     return Slips(since, cycles, np.concatenate(steps), fastest) if len(cycles) else None
 
 
-def _teeth(lag: np.ndarray, gone: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+def _sawtooth(lag: np.ndarray, gone: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """Numbers (T,) of the samples at which a lag (n,) mm begins to grow and is let go, from the
     first to the last, and the way (T,) mm since the last slip there; gone (n,) mm: way that was
     driven. None where it does not stand, and is let go at once, again and again."""
@@ -90,8 +90,8 @@ def _teeth(lag: np.ndarray, gone: np.ndarray) -> tuple[np.ndarray, np.ndarray] |
     turns = _turns(lag, max(CLEAR * noise, HALF * float(falls @ falls / falls.sum())))
     if len(turns) < 2 * FEWEST:
         return None
-    begun = int(lag[turns[0]] > lag[turns[1]])  # with a top
-    inner = turns[begun : begun + (len(turns) - begun) // 2 * 2]
+    from_top = int(lag[turns[0]] > lag[turns[1]])  # with a top
+    inner = turns[from_top : from_top + (len(turns) - from_top) // 2 * 2]
     bottoms, tops = inner[::2], inner[1::2]
     stick, slip = (tops - bottoms)[:-1], bottoms[1:] - tops[:-1]
     way = gone[tops] - gone[bottoms]
@@ -104,9 +104,9 @@ def _teeth(lag: np.ndarray, gone: np.ndarray) -> tuple[np.ndarray, np.ndarray] |
     usual = float(np.mean(way))
     end = len(lag) - 1
     last = inner[-1] + int(np.argmin(lag[inner[-1] :]))
-    at = [0, *turns[:begun], *inner, *([last] if last < end else []), end]
-    ahead = gone[turns[0] if begun else 0]
-    before = [max(usual - ahead, 0.0), usual] if begun else [0.0]
+    at = [0, *turns[:from_top], *inner, *([last] if last < end else []), end]
+    ahead = gone[turns[0] if from_top else 0]
+    before = [max(usual - ahead, 0.0), usual] if from_top else [0.0]
     after = [0.0, gone[end] - gone[last]] if last < end else [0.0]
     return np.array(at), np.concatenate([before, height, after])
 

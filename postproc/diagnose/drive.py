@@ -175,7 +175,7 @@ def _fit(
         unit,
         files,
         len(y),
-        fit.told(chosen),
+        fit.fitted(chosen),
         float(np.sqrt(np.mean(y**2))),
         _rms(fit.across(plain)),
         _rms(fit.across(chosen)),
@@ -203,7 +203,7 @@ def _solve(design: np.ndarray, y: np.ndarray) -> np.ndarray:
     return terms
 
 
-def _stacked(columns: list[np.ndarray], n: int) -> np.ndarray:
+def _design_matrix(columns: list[np.ndarray], n: int) -> np.ndarray:
     return np.concatenate(columns, axis=1) if columns else np.zeros((n, 0))
 
 
@@ -229,13 +229,13 @@ class _Fit:
 
     def __init__(self, y: np.ndarray, second: np.ndarray, possible: list[tuple[Term, np.ndarray]]):
         self.y, self.second, self.possible = y, second, possible
-        wide = _stacked([c for t, c in possible if not t.shape], len(y))
+        wide = _design_matrix([c for t, c in possible if not t.shape], len(y))
         self.free = len(y) / _alike(
             y - wide @ _solve(wide, y)
         )  # samples that are not alike, once all that is smooth is told
 
     def _columns(self, chosen: list[int]) -> np.ndarray:
-        return _stacked([self.possible[k][1] for k in chosen], len(self.y))
+        return _design_matrix([self.possible[k][1] for k in chosen], len(self.y))
 
     def across(self, chosen: list[int]) -> list[float]:
         """rms of each half as the other half tells it."""
@@ -297,7 +297,7 @@ class _Fit:
             chosen = [*chosen, int(np.argmax(gains))]
         return self.pruned(chosen)
 
-    def told(self, chosen: list[int]) -> tuple[Fitted, ...]:
+    def fitted(self, chosen: list[int]) -> tuple[Fitted, ...]:
         design = self._columns(chosen)
         value = _solve(design, self.y)
         left = self.y - design @ value

@@ -194,7 +194,7 @@ def terms(motion: Motion, unit: str) -> Iterator[Term]:
             (f"amplitude_{unit}",),
             "The force swings with the place: cogging of the motor, balls that come into the nut,"
             " an eccentric screw.",
-            partial(_swing, lead),
+            partial(_harmonic, lead),
             (("period_mm", lead),),
             len(LEADS),
         )
@@ -216,7 +216,7 @@ def _build_up(way: float, motion: Motion) -> list[np.ndarray]:
     return [-motion.sense * np.exp(-motion.gone / way)]
 
 
-def _swing(period: float, motion: Motion) -> list[np.ndarray]:
+def _harmonic(period: float, motion: Motion) -> list[np.ndarray]:
     angle = 2 * np.pi * motion.place / period
     return [np.cos(angle), np.sin(angle)]
 

@@ -40,8 +40,8 @@ def factors(
             now = scale**2 * np.einsum("bwr,bw->br", along**2, kept)
             now += np.log(kept).sum(axis=1)[:, None] - surprise(scale, 1.0)
             result[which] = np.maximum(result[which], now)
-        told = np.einsum("bvw,bw->bv", turned, kept * along[:, :, 0])
-        coefficients[at] = scale**2 * told * usual
+        mean = np.einsum("bvw,bw->bv", turned, kept * along[:, :, 0])
+        coefficients[at] = scale**2 * mean * usual
         spread[at] = scale * np.sqrt(np.einsum("bvw,bw->bv", turned**2, kept)) * usual
     return result, coefficients, spread
 

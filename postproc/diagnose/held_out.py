@@ -42,7 +42,7 @@ def of(rows: Rows, wanted: str, recordings: list[Recording]) -> tuple[np.ndarray
 
 
 def _between_others(rows: Rows, which: np.ndarray, runs: np.ndarray) -> float:
-    """The run of a recording (rows `which`) that the others foretell: in the middle, for heat and
+    """The run of a recording (rows `which`) that the others predict: in the middle, for heat and
     wear lie there between what is known, and under no load or spindle speed that no other run
     had."""
     drivers = [v for name, v in rows.state.channels.items() if name.startswith(DRIVERS)]

@@ -19,9 +19,9 @@ from postproc.diagnose.unknown import Unknown, mapped
 OF_ALL = 0.2  # of what was there: less is not worth a word
 OF_EXPLAINED = 0.25  # of what the names explain in a unit: less is an error of their form
 # readings; parts into which targets are cut; of the squares without a curve
-FEWEST, FOLDS, FORETELLS = 6, 5, 0.95
+FEWEST, FOLDS, PREDICTED = 6, 5, 0.95
 # times the noise of readings that took no part: 84 nulls left 2.05 at most
-UNFORETOLD = 2.5
+UNPREDICTED = 2.5
 # mm: what an instrument of which nothing is stated is taken to scatter by at most (unverified; 345
 # signals of 100 nulls scattered by 1.44 um at most)
 SCATTERS = 1e-3
@@ -36,7 +36,7 @@ Said = dict[str, np.ndarray]
 IN_A_ROW, FAR_OFF = 15, 10.0
 CLEAR = 1 / (locate.DRAWS + 1)  # chance of a region: none of the draws departs as far
 NO_BETTER = 1.0  # of the squares without a name, in runs that took no part
-NOT_FORETOLD = ("vibration", "step_loss")  # in another run: its phase, its moment
+NOT_PREDICTABLE = ("vibration", "step_loss")  # in another run: its phase, its moment
 
 
 def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
@@ -44,11 +44,11 @@ def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
     trusted, where runs that took no part do not bear them out, and where more of what they explain
     comes back than they explain."""
     for f in d.findings:
-        if d.doubts:
+        if d.disagreements:
             f.status = "tentative"
     said = shares(sets.evidence, state.fit)
     rest = sets.evidence.y - sum(value for kind, value in said.items() if kind != "noise")
-    found = [*_left(d, sets, state, said), *_unforetold(d, sets)]
+    found = [*_left(d, sets, state, said), *_unpredicted(d, sets)]
     found += [*_autocorrelated(sets, state, said, rest), *_scattered(d, sets, said, rest)]
     found += _located(d, sets) + _burst(sets, said, rest)
     left = sorted(found, reverse=True)
@@ -82,7 +82,7 @@ def _electronics(d: Diagnosis, sets: Sets) -> None:
 
 
 def _curves(d: Diagnosis) -> None:
-    """A curve over the place that does not foretell the places that are left out of its fit is what
+    """A curve over the place that does not predict the places that are left out of its fit is what
     it says at the targets, no more: as many terms as targets go through all of them and say nothing
     of what lies between. It goes into no machine unasked."""
     for f in d.findings:
@@ -93,7 +93,7 @@ def _curves(d: Diagnosis) -> None:
         place = d.rows.state.position[f.block.axis[0]][own]
         target = np.unique(np.round(place, 2), return_inverse=True)[1]
         with_it, without = _left_out(d, f, own, target)
-        f.foretells = with_it <= FORETELLS * without
+        f.predictive = with_it <= PREDICTED * without
 
 
 def _left_out(d: Diagnosis, f: Finding, own: np.ndarray, target: np.ndarray) -> tuple[float, float]:
@@ -149,7 +149,7 @@ def _left(d: Diagnosis, sets: Sets, state: Found, said: Said) -> list[tuple[floa
     return found
 
 
-def _unforetold(d: Diagnosis, sets: Sets) -> list[tuple[float, float, int]]:
+def _unpredicted(d: Diagnosis, sets: Sets) -> list[tuple[float, float, int]]:
     """The same of units whose readings that took no part lie much farther off than their noise,
     whatever wander the others were given: not all that is there was found."""
     found = []
@@ -160,7 +160,7 @@ def _unforetold(d: Diagnosis, sets: Sets) -> list[tuple[float, float, int]]:
         rms, ground = (float(np.sqrt(np.mean(v[own] ** 2))) for v in (d.after, d.noise))
         explained = float(np.std((d.before - d.after)[own]))
         least = _least(part.whole)
-        if rms > max(UNFORETOLD * ground, least, OF_EXPLAINED * explained):
+        if rms > max(UNPREDICTED * ground, least, OF_EXPLAINED * explained):
             found.append((rms / least, rms, unit))
     return found
 
@@ -206,7 +206,7 @@ def _scattered(
         sure = stated or max(SCATTERS * least / MATERIAL, DIVISIONS * resolution)
         sure = max(sure, resolution)
         rms = spread(rest[own])
-        worth = max(least, UNFORETOLD * sure, OF_EXPLAINED * _size(said["effects"][own]))
+        worth = max(least, UNPREDICTED * sure, OF_EXPLAINED * _size(said["effects"][own]))
         if not part.unit.dense and len(own) >= FEW and rms > worth:
             found.append((rms / least, rms, unit))
     return found
@@ -250,10 +250,10 @@ def _located(d: Diagnosis, sets: Sets) -> list[tuple[float, float, int]]:
     return found
 
 
-def foretold(block: Block) -> bool:
+def predictable(block: Block) -> bool:
     """Whether other runs say how an effect is in a run that took no part; slips are where they
     are seen."""
-    return block.name not in NOT_FORETOLD and not dict(block.shape).get("scatter")
+    return block.name not in NOT_PREDICTABLE and not dict(block.shape).get("scatter")
 
 
 def _borne_out(d: Diagnosis) -> None:
@@ -262,7 +262,7 @@ def _borne_out(d: Diagnosis) -> None:
     ground = float(np.sqrt(np.mean(d.noise[d.held] ** 2))) if d.held.any() else 0.0
     for f in d.findings:
         own = d.held & (f.contribution != 0)
-        if not foretold(f.block) or not own.any() or float(np.std(f.contribution[own])) < ground:
+        if not predictable(f.block) or not own.any() or float(np.std(f.contribution[own])) < ground:
             continue
         with_it, without = (
             float(np.mean((v[own] / d.noise[own]) ** 2))

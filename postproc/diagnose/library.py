@@ -277,17 +277,17 @@ def _steps_moving(rows: Rows) -> list[float]:
     return moments + [t for _, t in sorted(abrupt)[:MOST_ABRUPT]]
 
 
-def swings(columns: np.ndarray) -> np.ndarray:
+def harmonic_pairs(columns: np.ndarray) -> np.ndarray:
     """(K,) bool: columns (N, K) of the waves that show, a cosine and its sine together: one of them
     alone has no phase."""
     shows = (np.abs(columns).max(axis=0, initial=0.0) > 1e-9).reshape(-1, 2).all(axis=1)
     return np.repeat(shows, 2)
 
 
-def _swinging(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
+def _harmonics(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
     """(N, K) mm: the columns of waves, as far as they show."""
     columns = read(rows, module, axis, shape)
-    return columns[:, swings(columns)] if columns.shape[1] > 1 else columns
+    return columns[:, harmonic_pairs(columns)] if columns.shape[1] > 1 else columns
 
 
 def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
@@ -305,7 +305,7 @@ def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
                 continue
             along = rows.direction[:, XYZ.index(axis)] * seen
             for shape in _periodic(rows, module, axis, weighted * along, along**2 / sigma**2):
-                make = partial(_swinging, rows, module, axis, shape)
+                make = partial(_harmonics, rows, module, axis, shape)
                 tried = rows.slips[axis].chosen_from if shape.get("scatter") else spectra.TRIED
                 block = Block(module, axis, named(shape), make, tried)
                 if block.width:
@@ -313,7 +313,7 @@ def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
     return result
 
 
-def seen_slips(rows: Rows, axis: str) -> dict[str, float]:
+def sawtooth_shape(rows: Rows, axis: str) -> dict[str, float]:
     """The shape of stick-slip whose slips were seen."""
     slips, limits = rows.slips[axis], effects.load("stick_slip").limits(rows.state, axis)
     return {
@@ -324,11 +324,11 @@ def seen_slips(rows: Rows, axis: str) -> dict[str, float]:
     }
 
 
-def teeth(rows: Rows) -> Iterator[np.ndarray]:
-    """(N,) of each axis whose slips were seen: the saw-tooth of a lag, as readings show it."""
+def sawtooths(rows: Rows) -> Iterator[np.ndarray]:
+    """(N,) of each axis whose slips were seen: the sawtooth of a lag, as readings show it."""
     module = effects.load("stick_slip")
     for axis in rows.slips:
-        yield read(rows, module, axis, seen_slips(rows, axis))[:, 0]
+        yield read(rows, module, axis, sawtooth_shape(rows, axis))[:, 0]
 
 
 def _periodic(
@@ -346,7 +346,7 @@ def _periodic(
         ]
     state, result = rows.state, list[dict[str, float]]()
     if axis in rows.slips:
-        result.append(seen_slips(rows, axis))
+        result.append(sawtooth_shape(rows, axis))
     ways = module.ways(state, axis)
     for limit in module.limits(state, axis):
         use = (power > 0) & (state.passage >= 0) & module.creeps(state, axis, limit)

@@ -220,10 +220,13 @@ def _at_times(
     windows = _stretches(min(n, CELLS))[:-1]
     member = np.zeros((len(evidence), windows.shape[1]))
     member[which[own], cell] = 1.0
-    normal, told = member.T @ projector(member), member.T @ evidence
+    normal, projected = member.T @ projector(member), member.T @ evidence
     whole = normal.sum(axis=0)
     share = whole / max(float(whole.sum()), 1e-30)
-    normal, beside = normal - np.outer(share, whole), told - np.outer(share, told.sum(axis=0))
+    normal, beside = (
+        normal - np.outer(share, whole),
+        projected - np.outer(share, projected.sum(axis=0)),
+    )
     wide = windows.astype(float)
     power = np.einsum("wi,ij,wj->w", wide, normal, wide)
     seen = power > 1e-9 * max(float(np.trace(normal)), 1e-30)
@@ -233,7 +236,7 @@ def _at_times(
         return own[:0]
     # a stretch and all the other visits tell the same: where it departs farther is meant
     alike = np.flatnonzero(score[:, 0] >= (1 - TIE) * most)
-    mean = np.abs(wide @ told[:, 0])[alike] / (wide @ member.sum(axis=0))[alike]
+    mean = np.abs(wide @ projected[:, 0])[alike] / (wide @ member.sum(axis=0))[alike]
     return np.flatnonzero(windows[alike[np.argmax(mean)]][cell])
 
 
@@ -260,8 +263,10 @@ def _scan(
     normal = _sums(projector(member)[which], cell, n)
     wide = windows.astype(float)
     power = np.einsum("wi,ij,wj->w", wide, normal, wide)
-    told = power > 1e-9 * max(float(np.trace(normal)), 1e-30)
-    score = (wide @ _sums(evidence[which], cell, n)) ** 2 / np.where(told, power, np.inf)[:, None]
+    determined = power > 1e-9 * max(float(np.trace(normal)), 1e-30)
+    score = (wide @ _sums(evidence[which], cell, n)) ** 2 / np.where(determined, power, np.inf)[
+        :, None
+    ]
     # Beside a free zero a stretch and all the rest of the way tell the same: the shorter one is
     # meant.
     most = float(score[:, 0].max())

@@ -43,7 +43,7 @@ def written(d: Diagnosis, accept: tuple[str, ...]) -> tuple[list[Finding], list[
     sure = [
         f
         for f in able
-        if f.foretells
+        if f.predictive
         and not f.aliases
         and _sized(f)
         and all(_same_use(f, name) for name in f.equivalent)
@@ -90,7 +90,7 @@ def _keys(names: Iterable[str]) -> str:
 
 def _not_sure(f: Finding) -> str:
     """Why a finding does not go into a written machine, and the way out."""
-    if not f.foretells:
+    if not f.predictive:
         return (
             "its curve does not foretell targets that are left out of its fit; measure at more"
             " targets"
@@ -127,8 +127,8 @@ def _range(d: Diagnosis, f: Finding) -> tuple[float, float] | None:
     if not hasattr(module, "tables") or "degree" not in module.PARAMETERS:
         return None  # a line, a gap, a wave go on as they are
     moving = module.moving(f.block.axis, **f.value) if module.PER == "pair" else f.block.axis
-    told = np.any(f.block.columns != 0, axis=1) & ~d.held
-    place = d.rows.state.position[moving][told]
+    informative = np.any(f.block.columns != 0, axis=1) & ~d.held
+    place = d.rows.state.position[moving][informative]
     low, high = round(float(place.min()), 4), round(float(place.max()), 4)
     return (low, high) if high - low > SHORTEST else None
 

@@ -98,17 +98,17 @@ def _line(signals: list[Signal], longest: float, rate: float, middle: float, kep
     around, near = np.abs(off) <= AROUND, np.abs(off) <= kept
     frequency = middle + off
     seen = np.abs(frequency - rate * np.round(frequency / rate))
-    told = around & (seen > max(CURVE / longest, LOWEST_HZ))
-    if not told[near].all():
+    usable = around & (seen > max(CURVE / longest, LOWEST_HZ))
+    if not usable[near].all():
         return 0.0
     power = np.zeros(size)
     for t, y, _ in signals:
         wave, index = y * np.exp(-2j * np.pi * middle * t), ((t - t[0]) / BIN).astype(int)
         sums = np.bincount(index, wave.real, size) + 1j * np.bincount(index, wave.imag, size)
         one = np.abs(np.fft.fft(sums[:size])) ** 2
-        power += one / max(float(np.median(one[told])), 1e-30)
+        power += one / max(float(np.median(one[usable])), 1e-30)
     best = int(np.argmax(power * near))  # two frequencies around may share an alias
-    least = max(LINE * float(np.median(power[told])), (1 - ALIKE) * float(power[told].max()))
+    least = max(LINE * float(np.median(power[usable])), (1 - ALIKE) * float(power[usable].max()))
     return float(frequency[best]) if power[best] >= least else 0.0
 
 

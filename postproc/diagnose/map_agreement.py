@@ -34,7 +34,9 @@ CIRCLE = 24  # places of a circle that tell something of their own
 
 
 # Whole: the ways to miss a map, in their order of precedence.
-def doubts(recordings: list[Recording], rows: Rows, machine: Machine) -> dict[int, list[str]]:
+def disagreements(
+    recordings: list[Recording], rows: Rows, machine: Machine
+) -> dict[int, list[str]]:
     """What speaks against these being readings of this machine: sentences by the number of the
     recording that does not follow the map.
 
@@ -87,13 +89,13 @@ def doubts(recordings: list[Recording], rows: Rows, machine: Machine) -> dict[in
 
 
 def remaining(
-    doubted: dict[int, list[str]], rows: Rows, machine: Machine, named: np.ndarray
+    disagreements: dict[int, list[str]], rows: Rows, machine: Machine, named: np.ndarray
 ) -> list[str]:
     """Sentences of the recordings that do not follow the map beside the effects that were named
     either. named: (N,) mm, the effects in these rows, without curves of many terms: these could
     stand for the map of another machine."""
     result = []
-    for number, sentences in doubted.items():
+    for number, sentences in disagreements.items():
         which = rows.file == number
         if not sentences or not named[which].any():  # or all of its readings were left out
             result += sentences

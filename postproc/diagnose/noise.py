@@ -91,12 +91,12 @@ class Unit:
 
     def whitened(self, columns: np.ndarray) -> np.ndarray:
         """(n,) or (n, K): divided by the standard deviation and, within passages, less what the
-        samples before foretell."""
+        samples before predict."""
         result: np.ndarray = columns / (self.r if columns.ndim == 1 else self.r[:, None])
         order = len(self.ar)
         if not order:
             return result
-        # of the first of a passage nothing is foretold
+        # of the first of a passage nothing is predicted
         free = np.unique(np.add.outer(self.edges[:-1], np.arange(order)))
         free = free[free < len(result)]
         first, step = result[free], max(order, CACHED // (result[:1].nbytes + 1))

@@ -1,7 +1,7 @@
 """What is in every recording and is no finding: zeros, set-ups, what the map may be wrong by, what
 an instrument wanders.
 
-Each group of columns has a standard deviation: stated here, free (nobody knows it), or learned
+Each group of columns has a standard deviation: stated here, free (unknown), or learned
 beside every set of effects from a usual value.
 """
 
@@ -19,7 +19,7 @@ from postproc.effects import legendre
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 
-FREE = 1e3  # mm: a zero that nobody knows
+FREE = 1e3  # mm: an unknown zero
 # um: by how much each smooth term of a measured map is usually wrong (design of the experiment:
 # 0.25 um)
 MAP_UM = 0.3

@@ -1,6 +1,6 @@
 """A reading that slipped, where nothing was measured often enough to ask the other runs.
 
-Along one passage in one direction a lone wrong reading departs from the cubic through its two
+Along one passage in one direction a isolated wrong reading departs from the cubic through its two
 neighbours on either side, and its neighbours depart from theirs by a known share of it with the
 other sign. What bends is no slip: there the neighbours go on departing when that share is taken
 off.

@@ -115,14 +115,14 @@ def _same(one: Recording, other: Recording) -> bool:
 
 
 class _Check:
-    """One recording on its way through the checks. r: what is left of it; told: where faults and
+    """One recording on its way through the checks. r: what is left of it; sound: where faults and
     notices go; least: rows that must be left."""
 
     def __init__(
-        self, recording: Recording, number: int, machine: Machine, told: Sound, least: int
+        self, recording: Recording, number: int, machine: Machine, sound: Sound, least: int
     ):
         self.r, self.number, self.machine = recording, number, machine
-        self.told, self.least = told, least
+        self.sound, self.least = sound, least
         if len(recording.lines) != len(recording):
             self.r = replace(recording, lines=np.arange(1, len(recording) + 1))
 
@@ -150,7 +150,7 @@ class _Check:
         return Place(self.r.file, int(self.r.lines[row]))
 
     def note(self, text: str) -> None:
-        self.told.notices.append(f"{self.r.file}: {text}")
+        self.sound.notices.append(f"{self.r.file}: {text}")
 
     def without(
         self, bad: np.ndarray, what: str, advice: str, size: np.ndarray | None = None
@@ -165,7 +165,7 @@ class _Check:
                 f"{what}, and so in {len(rows)} of {len(bad)} rows", advice, self.at(int(rows[0]))
             )
         sizes = np.zeros(len(bad)) if size is None else size
-        self.told.faults += [
+        self.sound.faults += [
             (self.number, int(self.r.lines[k]), what, float(sizes[k])) for k in rows
         ]
         self.r = self.r.pick(~bad)
@@ -253,13 +253,13 @@ class _Check:
 
     def _sensors(self) -> None:
         self.r, faults = sensors.readable(self.r)
-        self.told.faults += [(self.number, line, said, 0.0) for line, said in faults]
+        self.sound.faults += [(self.number, line, said, 0.0) for line, said in faults]
 
     def _ordered(self) -> None:
         self.r, copies, notice = order.by_time(self.r)
         if notice:
             self.note(notice)
-        self.told.faults += [
+        self.sound.faults += [
             (self.number, int(line), "a copy of the row before", 0.0) for line in copies
         ]
 

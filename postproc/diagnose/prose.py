@@ -21,7 +21,7 @@ def as_text(d: Diagnosis, written: str = "") -> str:
     """What a person wants to know: what, where, how large, how sure, what to do next. written:
     the folder into which a machine with the accepted effects was written."""
     lines = [headline(d), ""]
-    lines += [f"DOUBT: {text}." for text in d.doubts]
+    lines += [f"DOUBT: {text}." for text in d.disagreements]
     for f in d.findings:
         lines += _finding_lines(d, f)
     for place in d.places[:WHERE]:
@@ -184,7 +184,7 @@ def next_steps(d: Diagnosis, written: str = "") -> list[str]:
     """What to do now, in order. written: as in `as_text`."""
     accepted = [f for f in d.findings if f.status == "accepted"]
     steps = []
-    if d.doubts:
+    if d.disagreements:
         steps.append("see to what DOUBT says and record again.")
     if any(f.equivalent for f in accepted):
         steps.append("run the test that tells the names apart before anything is changed.")
@@ -244,7 +244,7 @@ def headline(d: Diagnosis) -> str:
         ]
         beyond = ", and something that the library can not name" if d.unknown else ""
         return f"The model of {d.machine.name} leaves out: {', '.join(found)}{beyond}."
-    if d.doubts:
+    if d.disagreements:
         return (
             f"No answer for {d.machine.name} can be trusted: these recordings do not fit it, or"
             " each other."

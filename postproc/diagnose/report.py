@@ -60,7 +60,7 @@ def as_json(d: Diagnosis, digests: list[str]) -> dict[str, Any]:
             for file, line, what, size in d.faults
         ],
         "fit": fit_of(d),
-        "doubts": d.doubts,
+        "doubts": d.disagreements,
         "notices": d.notices,
         "drives": [_drive(one) for one in d.drives],
     }

@@ -357,9 +357,9 @@ class Search:
         """An effect and axis once: what its shape leaves is a process. An instrument is set up anew
         for each recording."""
         barred = self.sets.blocks[k].key in self._barred
-        return not barred and not any(self._again(c, k) for c in chosen)
+        return not barred and not any(self._excludes(c, k) for c in chosen)
 
-    def _again(self, one: int, other: int) -> bool:
+    def _excludes(self, one: int, other: int) -> bool:
         blocks = self.sets.blocks[one], self.sets.blocks[other]
         if {b.name for b in blocks} == {"servo_lag", "servo_mismatch"}:
             # where each lag shows by itself they are two lags

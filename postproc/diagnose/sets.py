@@ -35,7 +35,7 @@ FORM = 0.1
 FORM_SD = 0.1  # of what it explains, by the place, by the time
 BUILT_UP, AFTER_TURN = 5.0, (0.01, 0.05, 0.2)  # times that: while it builds up after a turn; s
 FORMED = 1e-3  # mm: the error of form of less is nothing
-TOLD = 0.2  # of the white noise
+VISIBLE = 0.2  # of the white noise
 OPEN = 5e-3  # mm: a set-up that may be so far off is open
 AT_ONCE = 32  # blocks: the columns of all of them together take as much memory as they do whitened
 RENEWED = 3  # steps in which sizes are learned again beside a new member
@@ -191,7 +191,7 @@ class Sets:
                 shown = part[p.unit.rows]
                 shown = shown - free @ (free.T @ shown)
                 # Of a spike that few readings show, all have the error of a harmonic of its power.
-                size = min(_swing(shown), float(np.sqrt(2 * np.mean(shown**2))))
+                size = min(_amplitude(shown), float(np.sqrt(2 * np.mean(shown**2))))
                 size *= form_of(self.blocks[k])
                 most[u] = max(most[u], size / float(np.median(p.unit.r)))
         return np.maximum(QUIETEST, most**2)
@@ -264,8 +264,10 @@ class Sets:
             if not own[rows].any():
                 continue
             scale = 1e-3 if unit.unit.sees == "angle" else 1.0
-            least = max(MATERIAL * scale, TOLD * float(np.median(unit.unit.r)))
-            shown = [_swing(part[rows] - free @ (free.T @ part[rows])) for part in (own, *others)]
+            least = max(MATERIAL * scale, VISIBLE * float(np.median(unit.unit.r)))
+            shown = [
+                _amplitude(part[rows] - free @ (free.T @ part[rows])) for part in (own, *others)
+            ]
             if shown[0] > max([least, *shown[1:]]):
                 return True
         return False
@@ -314,7 +316,7 @@ def _later(rows: Rows, part: np.ndarray) -> np.ndarray:
     return result
 
 
-def _swing(values: np.ndarray) -> float:
+def _amplitude(values: np.ndarray) -> float:
     """The size that so many readings have at least as there must be to show a short spike."""
     few = min(len(values), max(2, len(values) // 2000))
     return float(np.partition(np.abs(values), len(values) - few)[len(values) - few])

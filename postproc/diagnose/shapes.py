@@ -246,9 +246,9 @@ def _values(a: np.ndarray, b: np.ndarray, picks: np.ndarray) -> tuple[np.ndarray
     slab = SLAB / UM
     scaled = a[picks[:, :, None], picks[:, None, :]] * slab**2 + np.eye(picks.shape[1])
     along = b[picks] * slab
-    told = np.linalg.solve(scaled, along[:, :, None])[:, :, 0]
-    worth = np.einsum("sk,sk->s", along, told) - np.linalg.slogdet(scaled)[1]
-    return worth, told * slab
+    estimate = np.linalg.solve(scaled, along[:, :, None])[:, :, 0]
+    worth = np.einsum("sk,sk->s", along, estimate) - np.linalg.slogdet(scaled)[1]
+    return worth, estimate * slab
 
 
 def continuous(block: Block) -> dict[str, tuple[float, float]]:

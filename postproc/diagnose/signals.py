@@ -26,7 +26,7 @@ OVERRUN = 3.0
 RESTS = 2e-5  # mm from sample to sample
 STAMP = 1.1e-3  # s: by how much a time that was written with three decimals may be off
 SMOOTH = 0.02  # s
-FAR = 1e6  # mm and s: nobody knows when an axis turned back last
+FAR = 1e6  # mm and s: unknown when an axis turned back last
 TOUCHING = (
     "gauge",
     "probe",
@@ -268,7 +268,7 @@ def _ballbar(recording: Recording, machine: Machine) -> Iterator[Signal]:
     unit /= np.maximum(np.linalg.norm(unit, axis=1), 1e-9)[:, None]
     moving = [x for x in recording.axes if x in centre]
     sure = ~_changing(columns, moving, run)
-    for x in moving:  # before it moved nobody knows from which side it came
+    for x in moving:  # before it moved the side that it came from is unknown
         sure &= columns[f"{x} approach"] != 0
     columns |= {"y": recording.reading, "direction": unit, "dense": np.ones(n)}
     columns = {name: value[sure] for name, value in columns.items()}

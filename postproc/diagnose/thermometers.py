@@ -2,7 +2,7 @@
 metal warms.
 
 While it hangs it counts as not recorded, if readings before and after say between what it was; one
-that hangs at the beginning or the end, or that jumps, is not used at all: nobody knows what it was
+that hangs at the beginning or the end, or that jumps, is not used at all: what it was is unknown
 then, or which of its levels was right.
 """
 

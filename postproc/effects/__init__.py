@@ -192,8 +192,8 @@ def followed(state: State, driver: np.ndarray, tau_s: float) -> np.ndarray:
         step, u = np.diff(state.time[own]), result[own]
         keep = np.exp(-step / tau_s)
         # what a line from u[k] to u[k + 1] adds over one step
-        late = np.divide(tau_s * (1 - keep), step, out=np.ones(len(step)), where=step > 0)
-        added = (late - keep) * u[:-1] + (1 - late) * u[1:]
+        weight = np.divide(tau_s * (1 - keep), step, out=np.ones(len(step)), where=step > 0)
+        added = (weight - keep) * u[:-1] + (1 - weight) * u[1:]
         result[own] = u[0] + recurrence(keep, added - (1 - keep) * u[0])
     return result
 
@@ -285,7 +285,7 @@ def lost_motion_share(state: State, axis: str, play_mm: float) -> np.ndarray:
 
 
 def sampled(state: State) -> np.ndarray:
-    """(N,) bool: rows of motions that were sampled; all where nobody knows."""
+    """(N,) bool: rows of motions that were sampled; all where that is unknown."""
     return state.passage >= 0 if len(state.passage) == len(state) else np.ones(len(state), bool)
 
 

@@ -73,15 +73,15 @@ def columns(
     gone: float = 0.0,
     drifts: float = 0.0,
 ) -> np.ndarray:
-    late = state.time.astype(float)
+    elapsed = state.time.astype(float)
     for file in () if whole else np.unique(state.file):
         own = state.file == file
-        late[own] -= state.time[own].min()
+        elapsed[own] -= state.time[own].min()
     if every_s > 0:
-        times = late / every_s + gone
+        times = elapsed / every_s + gone
         # what is never set right in a recording is a rate and a delay
-        late = every_s * (times % 1.0) * bool(times.max(initial=0.0) >= 1.0)
-    powers = [late, late**2] if drifts else [late]
+        elapsed = every_s * (times % 1.0) * bool(times.max(initial=0.0) >= 1.0)
+    powers = [elapsed, elapsed**2] if drifts else [elapsed]
     return sum(
         (along(x, *(-v * p * 1e-3 for p in powers)) for x, v in state.velocity.items()),
         np.zeros((len(powers), 3, len(state))),

@@ -21,7 +21,7 @@ PARAMETERS = {
     "pressure": "1, the pressure changed; 0, it did not",
 }
 OPTIONAL = {"file": -1.0, "late_s": 0.0, "um_h": 0.0, "pressure": 0.0}
-LATE = 1800.0  # s: a sensor in a heavy housing
+HOUSING_TAU = 1800.0  # s: a sensor in a heavy housing
 # 0.93 ppm/K of air (Edlen), and 10 m of it; 0.27 ppm/hPa, and 10 hPa in an hour.
 PLAUSIBLE = {"um_K": (-10.0, 10.0), "um_h": (-27.0, 27.0)}  # beyond, it is something else
 KIND, USE, PER = "instrument", "recording", "all"
@@ -36,7 +36,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     touched = state.channels.get("gauged", np.zeros(len(state))) > 0
     lit = np.unique(state.file[~touched & (state.passage < 0)])
     files = [float(f) for f in lit] + ([-1.0] if len(lit) > 1 else [])
-    ways = ((0.0, 0.0), (LATE, 0.0), (0.0, 1.0))
+    ways = ((0.0, 0.0), (HOUSING_TAU, 0.0), (0.0, 1.0))
     return [{"file": f, "late_s": v, "pressure": p} for f in files for v, p in ways]
 
 

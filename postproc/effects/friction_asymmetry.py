@@ -70,8 +70,8 @@ def columns(
 ) -> np.ndarray:
     s = state.approach[axis]
     if length_mm > 0 and tau_ms > 0:
-        left, late = reversal_spike.of_loop(state, axis, tau_ms, length_mm)
-        return along(axis, -left, -late, -left * s, -late * s)
+        left, second_order = reversal_spike.of_loop(state, axis, tau_ms, length_mm)
+        return along(axis, -left, -second_order, -left * s, -second_order * s)
     if length_mm > 0:
         q = np.minimum(state.distance[axis] / length_mm, 50.0)
         fade = np.exp(-q)
@@ -81,7 +81,7 @@ def columns(
         v = np.sign(v) * np.abs(v) ** power
     if released:
         return along(axis, -np.sign(v), -np.sign(np.abs(v)))
-    # how much more it lags in one direction whatever its speed is a zero that nobody knows
+    # how much more it lags in one direction whatever its speed is an unknown zero
     if tau_ms <= 0:
         return along(axis, -s * sampled(state), -v, -np.abs(v))
     q = state.since[axis] / (tau_ms * 1e-3)

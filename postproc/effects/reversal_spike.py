@@ -71,8 +71,8 @@ def columns(
     state: State, axis: str, tau_ms: float, rebounds: float = 0.0, length_mm: float = 0.0
 ) -> np.ndarray:
     if length_mm > 0 and tau_ms > 0:
-        left, late = of_loop(state, axis, tau_ms, length_mm)
-        return along(axis, -left, -late)
+        left, second_order = of_loop(state, axis, tau_ms, length_mm)
+        return along(axis, -left, -second_order)
     if length_mm > 0:
         q = np.minimum(state.distance[axis] / length_mm, 50.0)
         fade = np.exp(-q) * state.approach[axis]

@@ -115,7 +115,7 @@ def _warmed(
     """(N,), (N,): heat as it comes through the spindle, and on through its housing, solved from
     reading to reading, between which the heat stays."""
     order = np.argsort(t, kind="stable")
-    warm, late = np.zeros(len(t)), np.zeros(len(t))
+    warm, second_lag = np.zeros(len(t)), np.zeros(len(t))
     gone, hot, housing = np.diff(t[order]), heat[order[:-1]], apart(tau_s, housing_s)
     kept = np.exp(-gone / tau_s)
     level = recurrence(kept, (1.0 - kept) * hot)
@@ -123,8 +123,8 @@ def _warmed(
         warm[order] = level
     if housing > 0 and len(t):
         _, added = _lag(level[:-1], 0.0, hot, gone, tau_s, housing, np.exp)
-        late[order] = recurrence(np.exp(-gone / housing), added)
-    return warm, late
+        second_lag[order] = recurrence(np.exp(-gone / housing), added)
+    return warm, second_lag
 
 
 def apart(tau_s: float, housing_s: float) -> float:
@@ -141,12 +141,12 @@ def lagged(
     each of N steps of `gone` (N,) s, in which the heat (N,) stays: solved exactly."""
     housing = apart(tau_s, housing_s)
     level, slow = before
-    warm, late = [level], [slow]
+    warm, second_lag = [level], [slow]
     for seconds, hot in zip(gone.tolist(), heat.tolist(), strict=True):
         level, slow = _lag(level, slow, hot, seconds, tau_s, housing, math.exp)
         warm.append(level)
-        late.append(slow)
-    return np.array(warm), np.array(late)
+        second_lag.append(slow)
+    return np.array(warm), np.array(second_lag)
 
 
 def later(

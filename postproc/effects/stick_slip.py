@@ -128,10 +128,10 @@ def columns(
     if period_mm <= 0:
         return along(axis, 0.5 * lag)
     if scatter:
-        tooth = _since_slip(state, axis, period_mm, fastest_mm_s, scatter) / period_mm - 0.5
-        known = np.isfinite(tooth)
+        sawtooth = _since_slip(state, axis, period_mm, fastest_mm_s, scatter) / period_mm - 0.5
+        known = np.isfinite(sawtooth)
         lag = np.where(known & (lag == 0), -state.approach[axis], lag)
-        return along(axis, np.where(known, tooth, 0.0) * lag, lag)
+        return along(axis, np.where(known, sawtooth, 0.0) * lag, lag)
     creep = np.flatnonzero(lag)
     driven_on = np.abs(state.velocity[axis][creep]) * slip_ms * 1e-3
     way = ways(state, axis)[:, creep] % (period_mm + driven_on)
@@ -139,9 +139,9 @@ def columns(
     if slip_ms:
         let_go = (period_mm + driven_on - way) / np.maximum(driven_on, STILL)
         height = np.minimum(height, let_go)
-    tooth = np.zeros(len(lag))
-    tooth[creep] = np.nanmean(height, axis=0) - 0.5
-    return along(axis, tooth * lag, lag)
+    sawtooth = np.zeros(len(lag))
+    sawtooth[creep] = np.nanmean(height, axis=0) - 0.5
+    return along(axis, sawtooth * lag, lag)
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:

@@ -149,7 +149,7 @@ def columns(
 
 
 def _timed(state: State) -> np.ndarray:
-    """(N,) bool: all but parts, of which nobody knows how warm it was when they were cut."""
+    """(N,) bool: all but parts, whose temperature when they were cut is unknown."""
     return state.channels.get("wall", np.zeros(len(state))) == 0
 
 

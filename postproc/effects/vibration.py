@@ -140,7 +140,7 @@ def coefficients(
     damping: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     """One phase for all: which phases other passages have, and how they wander, nobody can
-    foretell; only what the motion rings."""
+    predict; only what the motion rings."""
     shape = {"frequency_hz": frequency_hz, "passages": 0.0} | (
         {"damping": damping} if damping > 0 else {}
     )

@@ -48,12 +48,12 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     lengths = grid(0.1, 10.0, 9)
     # Where every reading lies so far behind its turn that all is built up, what differs along the
     # travel is backlash_position.
-    told = [v for v in lengths if near < BUILT_UP * v]
+    reached = [v for v in lengths if near < BUILT_UP * v]
     plain = [{"length_mm": v, "grows": 0.0, "spread": 0.0} for v in lengths]
     return (
         plain
-        + [{"length_mm": v, "grows": 1.0, "spread": 0.0} for v in told]
-        + [{"length_mm": v, "grows": 0.0, "spread": 1.0} for v in told]
+        + [{"length_mm": v, "grows": 1.0, "spread": 0.0} for v in reached]
+        + [{"length_mm": v, "grows": 0.0, "spread": 1.0} for v in reached]
     )
 
 

@@ -197,9 +197,9 @@ class Heat:
         ends = times.end * self.pace / clock.MICRO
         for driver in (d for d in self.drivers if d.column):
             left = float(self.log.recorded(driver.column)[-1]) - self.begin
-            late = np.flatnonzero(ends > left)
-            if len(late):
-                k = int(late[0])
+            unrecorded = np.flatnonzero(ends > left)
+            if len(unrecorded):
+                k = int(unrecorded[0])
                 raise BlockFault(
                     int(motions.block[k]),
                     f"{driver.column} of {self.log.name} ends {left:.0f} s after the program"

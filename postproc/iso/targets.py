@@ -108,9 +108,9 @@ def _conditions(motion: Motion, test: Positioning, options: Options) -> Iterator
             " all two-way parameters are not defined"
         )
     elif not test.both.all():
-        lone = ", ".join(f"{x:g}" for x in test.target[~test.both][:5])
+        one_way = ", ".join(f"{x:g}" for x in test.target[~test.both][:5])
         yield (
-            f"approached in one direction only at {lone}: B and M are taken over the"
+            f"approached in one direction only at {one_way}: B and M are taken over the"
             f" {int(test.both.sum())} other targets"
         )
     if test.long:

@@ -184,16 +184,16 @@ def shares(
 ) -> list[Share]:
     """Of each axis of a chain without rotary axes. arms, leans: of the functions above; live: axis
     to its components that are not zero everywhere, 0 to 5."""
-    found, begun = [], set()
+    found, written = [], set()
     for letter, stays in arms.items():
         own = live.get(letter, set())
         there = [k for k, (constant, slides) in enumerate(stays) if slides or constant]
         turns = [term for term in TURNS if term[1] in own and term[2] in there]
         arm = [(k, *stays[k]) for k in sorted({arm for _, _, arm, _ in turns})]
         drifts, shifts = leans.get(letter, []), [i for i in range(3) if i in own]
-        begun |= {*shifts, *(i for i, _ in drifts)}
-        begins = {i for i, _, _, _ in turns} - begun
-        begun |= begins
+        written |= {*shifts, *(i for i, _ in drifts)}
+        begins = {i for i, _, _, _ in turns} - written
+        written |= begins
         found.append(Share(letter, drifts, shifts, sorted(begins), arm, turns))
     return found
 

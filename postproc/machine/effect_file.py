@@ -112,7 +112,7 @@ def _measured(entry: Section) -> tuple[float, float] | None:
 
 def _held(table: AxisTable, measured: tuple[float, float] | None) -> AxisTable:
     """A table that stays, beyond what was measured, what it was at the last reading: a curve
-    foretells nothing there."""
+    predicts nothing there."""
     if measured is None:
         return table
     low, high = measured

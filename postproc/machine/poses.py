@@ -176,9 +176,9 @@ def _turns_to(machine: Machine, normal: np.ndarray) -> list[tuple[float, ...]]:
     rest = (first @ normal - first @ lifted) / size if size > ONE else 2.0
     if abs(rest) > 1 + ONE:
         return []
-    swing = np.arccos(np.clip(rest, -1.0, 1.0))
+    half_angle = np.arccos(np.clip(rest, -1.0, 1.0))
     found: list[tuple[float, ...]] = []
-    for angle in sorted({round(phase + swing, 12), round(phase - swing, 12)}):
+    for angle in sorted({round(phase + half_angle, 12), round(phase - half_angle, 12)}):
         turned = lifted + along * np.cos(angle) + across * np.sin(angle)
         found += [(one, float(np.degrees(angle))) for (one,) in _about_to(first, turned, normal)]
     return found

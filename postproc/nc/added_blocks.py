@@ -10,18 +10,18 @@ from postproc.nc import codes
 from postproc.nc.writing import Writing
 
 
-def late_codes(b: Writing) -> None:
+def codes_after_motion(b: Writing) -> None:
     """M codes that act after the motion go to its last piece."""
     m, w = b.m, b.w
     cut = np.zeros(w.blocks, bool)
     cut[m.block[b.p.motion[b.several]]] = True
-    late = (
+    after_motion = (
         (w.letter == ord("M"))
         & cut[w.block]
         & np.isin(w.mantissa, codes.AFTER_MOTION)
         & (w.decimals == 0)
     ).nonzero()[0]
-    for word in late:
+    for word in after_motion:
         motion = int(np.searchsorted(m.block, w.block[word]))
         last = int((b.p.motion == motion).nonzero()[0][-1])
         text = w.text[w.start[word] : w.stop[word]]

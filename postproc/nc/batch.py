@@ -110,7 +110,7 @@ class Batch:
             return False
         if w.mantissa[place] in self.dialect.ends:
             return True
-        return self.begins_again(place) and not w.skip[w.block[place]]
+        return self.restarts_at(place) and not w.skip[w.block[place]]
 
     def _live(self) -> np.ndarray:
         """(B,) bool: blocks that the control reads; none after the end of the program, none that
@@ -142,7 +142,7 @@ class Batch:
             line = int(self.words.line[block[block > end].min()])
             self.notices.append(Notice("behind", faults.BEHIND_END, line))
 
-    def begins_again(self, place: int) -> bool:
+    def restarts_at(self, place: int) -> bool:
         """Whether an M word takes the control back to the first block (M99 without P)."""
         w = self.words
         p = self.places.get("P", NO_WORDS)

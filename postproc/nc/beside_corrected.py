@@ -14,7 +14,7 @@ import numpy as np
 
 from postproc.errors import BlockFault
 from postproc.motions import ENTRY, FREE, RAPID, Motions
-from postproc.nc.beside_refusals import begun, block_of
+from postproc.nc.beside_refusals import block_of, follower
 from postproc.nc.shifted import Block, Gouge, Shifted
 from postproc.pieces import Pieces
 from postproc.records import mutable
@@ -45,7 +45,7 @@ def follow_both(before: Contours, motions: Motions, pieces: Pieces) -> Contours:
     for i in inside.tolist():
         leaves = motions.cutter[i] == ENTRY and not motions.radius[i]
         if motions.cutter[i] == ENTRY and not leaves:
-            c = Contours(begun(motions, i), begun(motions, i))
+            c = Contours(follower(motions, i), follower(motions, i))
         nominal, corrected = c.nominal, c.corrected
         if nominal is None or corrected is None:
             continue

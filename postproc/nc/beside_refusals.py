@@ -117,7 +117,7 @@ def _followed(shifted: Shifted | None, motions: Motions, i: int) -> Shifted | No
     if motions.cutter[i] == ENTRY:
         if shifted is not None:
             shifted.leave(block)
-        shifted = begun(motions, i)
+        shifted = follower(motions, i)
         if shifted is not None:
             shifted.enter(motions.start[:, i] / TICKS_PER_MM, block)
     elif shifted is not None:
@@ -127,7 +127,7 @@ def _followed(shifted: Shifted | None, motions: Motions, i: int) -> Shifted | No
     return shifted
 
 
-def begun(motions: Motions, i: int) -> Shifted | None:
+def follower(motions: Motions, i: int) -> Shifted | None:
     """A follower for the contour that motion i begins; None where it ends one, or can not be
     followed: by an arc, from an unknown place, or with a tool that is not stated."""
     radius = float(motions.radius[i])

@@ -115,10 +115,10 @@ def _line(line: bytes, state: Numbering) -> tuple[bytes, Numbering]:
     mark = LAST_MARK.search(body)
     code = body[: mark.start()] if mark else body
     number = NUMBER.match(code)
-    begun = state.last is not None or (number is not None and mark is not None)
-    if RESET.search(code) and begun:
+    numbered = state.last is not None or (number is not None and mark is not None)
+    if RESET.search(code) and numbered:
         return _sealed(line, code, code, mark, tail), _reset(code, number, state)
-    if number is not None and begun:
+    if number is not None and numbered:
         last = int(number[2]) + state.shift
         new = number[1] + _digits(last, number[2]) + code[number.end() :] if state.shift else code
         return _sealed(line, code, new, mark, tail), Numbering(last, state.shift)

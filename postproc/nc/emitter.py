@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.motions import Motions
-from postproc.nc.added_blocks import frames_of_blocks, late_codes
+from postproc.nc.added_blocks import codes_after_motion, frames_of_blocks
 from postproc.nc.axis_words import axis_words, last_code, motion_codes
 from postproc.nc.centres import centre_words
 from postproc.nc.cycle_words import hole_words, preset_words
@@ -65,7 +65,7 @@ class Emitter:
         added = len(b.p) - len(b.m)
         if added:
             inverse_time(b)
-            late_codes(b)
+            codes_after_motion(b)
             exact_stops(b)
             thread_words(b)
             frames_of_blocks(b, (~b.first).nonzero()[0])

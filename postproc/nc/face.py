@@ -176,7 +176,7 @@ def polar_off(b: Batch, axis_words: AxisWords, word: str) -> None:
     b.frame = with_known(replace(b.frame, face=None), FACE)
 
 
-def retold(
+def transformed(
     kinematics: Kinematics | None,
     position: np.ndarray,
     known: np.ndarray,

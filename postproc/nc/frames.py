@@ -56,10 +56,10 @@ EXPAND = "--expand writes the program out in plain coordinates"
 def event(b: Batch, axis_words: AxisWords) -> None:
     """Let the first block of a segment change the shifts, if it does; sets b.frame and
     b.offsets."""
-    begun = {int(column[0]) for column in b.given.values()}
-    begun |= {number for number in b.single if begins_with(b, number)}
-    for number, does in b.dialect.frame_codes.items() if begun else ():
-        if number in begun and b.live[0]:
+    first_codes = {int(column[0]) for column in b.given.values()}
+    first_codes |= {number for number in b.single if begins_with(b, number)}
+    for number, does in b.dialect.frame_codes.items() if first_codes else ():
+        if number in first_codes and b.live[0]:
             ACTIONS[does](b, axis_words, b.dialect.by_number[number].word)
     _edge(b, axis_words)
     chosen(b)
@@ -72,11 +72,11 @@ def event(b: Batch, axis_words: AxisWords) -> None:
     tips.settle(b)
     if not b.single:
         return
-    for number in _begun(b, "plane align"):
+    for number in _first_codes(b, "plane align"):
         planes.plane_align(b, b.dialect.by_number[number].word)
-    for _ in _begun(b, "swivel"):
+    for _ in _first_codes(b, "swivel"):
         _swivelled(b)
-    for _ in _begun(b, "spatial"):
+    for _ in _first_codes(b, "spatial"):
         spatial.turned_in(b)
 
 
@@ -103,7 +103,7 @@ def begins_with(b: Batch, number: int) -> bool:
     return number in b.single and 0 in b.single[number][:1]
 
 
-def _begun(b: Batch, does: str) -> list[int]:
+def _first_codes(b: Batch, does: str) -> list[int]:
     """The codes that do this, without a group, of the first block."""
     every = b.dialect.frame_codes.items()
     return [n for n, own in every if own == does and b.live[0] and begins_with(b, n)]
@@ -280,7 +280,7 @@ def _turned(b: Batch, axis_words: AxisWords, word: str) -> None:
 
 def _store(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G28.1: the place where the machine stands becomes the reference point. It stands beside the
-    nominal place by the correction, so from here on nobody knows where G28 goes, to the last
+    nominal place by the correction, so from here on it is unknown where G28 goes, to the last
     micrometre."""
     b.offsets = {**b.offsets, word.split(".")[0]: {}}
 

@@ -30,7 +30,9 @@ class Grammar:
     # L of Okuma's G103 is R.
     letters: tuple[tuple[str, str], ...] = ()
     homing: str = ""  # an expression of what homes all axes
-    untold: bool = False  # whether F and S may be variables whose value only the machine knows
+    machine_variables: bool = (
+        False  # whether F and S may be variables whose value only the machine knows
+    )
     klartext: bool = False  # whether its statements are those of Heidenhain's Klartext
 
     @cached_property
@@ -55,12 +57,12 @@ PLAIN = Grammar()
 KEYWORD_LETTER = 0x80  # a code that is a word: TRANS
 PARAMETER = 0x81  # a parameter that moves nothing
 MACRO = 0x82  # a line that only the machine can follow; its number is the reason
-UNTOLD = 0x83  # an F whose value only the machine knows
+UNKNOWN_FEED = 0x83  # an F whose value only the machine knows
 HOMING = 0x84
 # Of the axes and centres AXES, in their order from here on: X=IC(), X=AC(), X without a number.
 RELATIVE, ABSOLUTE, BARE = 0x90, 0xC0, 0xD0
 AXES = "XYZABCUVWEIJK"
-NUMBERLESS = (MACRO, UNTOLD, HOMING, *range(BARE, BARE + len(AXES)))
+NUMBERLESS = (MACRO, UNKNOWN_FEED, HOMING, *range(BARE, BARE + len(AXES)))
 SPELLED = bytes(
     (
         KEYWORD_LETTER,

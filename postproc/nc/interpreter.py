@@ -28,7 +28,7 @@ from postproc.nc.columns import at, hold_last_float, named_since, one_of, spread
 from postproc.nc.conditionals import conditionals
 from postproc.nc.control import Control, spelled
 from postproc.nc.engraving import as_motion, cycle_of, known_behind, loose_axes
-from postproc.nc.grammar import ABSOLUTE, KEYWORD_LETTER, RELATIVE, UNTOLD
+from postproc.nc.grammar import ABSOLUTE, KEYWORD_LETTER, RELATIVE, UNKNOWN_FEED
 from postproc.nc.holes import holes_of, refuse_slants
 from postproc.nc.increments import count_increments
 from postproc.nc.left import left_as_they_are
@@ -56,7 +56,7 @@ from postproc.nc.splines import refuse_splines, spaced_column
 from postproc.nc.state import NONE, Frame, ModalState, no_frame
 from postproc.nc.stops import stop_column
 from postproc.nc.threads import thread_columns
-from postproc.nc.tips import first_frame, refuse_cycles, refuse_tips, retold, tip_codes
+from postproc.nc.tips import first_frame, refuse_cycles, refuse_tips, tip_codes, transformed
 from postproc.nc.zeros import offset_columns
 from postproc.records import replace
 from postproc.units import TICKS_PER_MM
@@ -81,7 +81,7 @@ class Interpreter(Control):
         )
         start, known = self.stands()
         frame = self._first_frame()
-        position, known = retold(setup.kinematics, start, known, (None, frame))
+        position, known = transformed(setup.kinematics, start, known, (None, frame))
         return ModalState(modal, position, known, frame=frame, tool_number=setup.tool)
 
     def _first_frame(self) -> Frame:
@@ -267,15 +267,15 @@ def _feeds(b: Batch) -> tuple[np.ndarray, np.ndarray]:
         place = place[~np.isin(b.words.block[place], b.single[40])]
     feed, word = np.empty(b.n), np.empty(b.n, np.int64)
     word.fill(-1)
-    untold = b.places.get(chr(UNTOLD))
+    unknown_feed = b.places.get(chr(UNKNOWN_FEED))
     b.feed = b.state.feed
-    if not len(place) and untold is None:
+    if not len(place) and unknown_feed is None:
         feed.fill(b.feed)
         return feed, word
     feed.fill(np.nan)
     feed[b.words.block[place]] = b.numbers(place)
-    if untold is not None:  # a value that only the machine knows
-        feed[b.words.block[untold]] = 0.0
+    if unknown_feed is not None:  # a value that only the machine knows
+        feed[b.words.block[unknown_feed]] = 0.0
     word[b.words.block[place]] = place
     feed = hold_last_float(feed, b.feed)
     b.feed = float(feed[-1])
@@ -303,8 +303,8 @@ def columns(
     inverse = spread(at(b.held("feed mode"), block), len(block)) == INVERSE
     if any_of(inverse):
         slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
-        if chr(UNTOLD) in b.places:
-            unknown = inverse & np.isin(block, b.words.block[b.places[chr(UNTOLD)]])
+        if chr(UNKNOWN_FEED) in b.places:
+            unknown = inverse & np.isin(block, b.words.block[b.places[chr(UNKNOWN_FEED)]])
             b.blame(
                 block[unknown],
                 "G93 and an F whose value only the machine knows",

@@ -21,7 +21,7 @@ import re
 from collections.abc import Callable
 
 from postproc.nc import codes
-from postproc.nc.grammar import AXES, BARE, MACRO, RELATIVE, UNTOLD
+from postproc.nc.grammar import AXES, BARE, MACRO, RELATIVE, UNKNOWN_FEED
 
 EXPAND_PATH = "its motions are worked out by the control: --expand writes it out as straight lines"
 DATUM = "it moves the datum by the tables of the control: program in one datum, with --offset G54="
@@ -157,7 +157,7 @@ def _words(text: bytes) -> tuple[bytes, bool]:
     if fast:
         text = FAST.sub(lambda m: b" " * len(m[0]), text)
     elif b"F" in text:
-        text = FEED.sub(lambda m: _filled(bytes([UNTOLD]), m), text)
+        text = FEED.sub(lambda m: _filled(bytes([UNKNOWN_FEED]), m), text)
     text = NO_VALUE.sub(b" ", text)
     if b"I" in text:
         text = STEP.sub(lambda m: bytes([RELATIVE + AXES.index(m[1].decode()), 0x20]), text)

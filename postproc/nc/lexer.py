@@ -172,7 +172,7 @@ def _without_comments(text: bytes, grammar: Grammar, drop: bool) -> tuple[bytes,
         found = WITHIN.search(code)
         within = found.end(1) if found else -1
         code = WITHIN.sub(_only_slash if drop else _both, code)
-    spelled = grammar.is_respelled or (grammar.untold and (b"#" in code or b"[" in code))
+    spelled = grammar.is_respelled or (grammar.machine_variables and (b"#" in code or b"[" in code))
     if spelled:
         code = _respelled()(code, grammar)
     if b"\r" in code and code.count(b"\r") != code.count(b"\r\n"):

@@ -21,7 +21,7 @@ from postproc.nc.grammar import (
     MACRO,
     PARAMETER,
     RELATIVE,
-    UNTOLD,
+    UNKNOWN_FEED,
 )
 from postproc.nc.queries import names, tell, words_of
 from postproc.nc.state import NONE
@@ -65,7 +65,7 @@ def _letter(written: str) -> str:
     letter."""
     code = ord(written)
     if (
-        code in (KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD, HOMING)
+        code in (KEYWORD_LETTER, PARAMETER, MACRO, UNKNOWN_FEED, HOMING)
         or code >= BARE
         or code - RELATIVE in CENTRES
         or code - ABSOLUTE in CENTRES
@@ -180,7 +180,7 @@ def m_codes(b: Batch) -> None:
         return
     for number in sorted(set(b.words.mantissa[place].tolist())):
         of = place[b.words.mantissa[place] == number]
-        of = of[[not b.begins_again(int(i)) for i in of]] if number in b.dialect.restarts else of
+        of = of[[not b.restarts_at(int(i)) for i in of]] if number in b.dialect.restarts else of
         if not len(of):
             continue
         block = b.words.block[of]

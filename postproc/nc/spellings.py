@@ -22,7 +22,7 @@ from postproc.nc.grammar import (
     MACRO,
     PARAMETER,
     RELATIVE,
-    UNTOLD,
+    UNKNOWN_FEED,
     Grammar,
 )
 from postproc.nc.grammar import BARE as ALONE
@@ -83,8 +83,8 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
         code = pattern.sub(partial(_macro, number), code)
     for text, letter in grammar.letters:
         code = _ignored((text,))[0].sub(partial(_lettered, letter), code)
-    if grammar.untold and (b"#" in code or b"[" in code):
-        code = MACHINE_KNOWS.sub(_untold, code)
+    if grammar.machine_variables and (b"#" in code or b"[" in code):
+        code = MACHINE_KNOWS.sub(_machine_variable, code)
     if grammar.bare_letters:
         code = MOVELESS.sub(_without_bare, code)
     if grammar.assigns and b"=" in code:
@@ -191,9 +191,9 @@ def _macro(number: int, match: re.Match[bytes]) -> bytes:
     return kept + blank + word.ljust(len(text) - len(blank))
 
 
-def _untold(match: re.Match[bytes]) -> bytes:
+def _machine_variable(match: re.Match[bytes]) -> bytes:
     """S is gone, F a word without a number."""
-    return (b" " if match[1].upper() == b"S" else bytes([UNTOLD])).ljust(len(match[0]))
+    return (b" " if match[1].upper() == b"S" else bytes([UNKNOWN_FEED])).ljust(len(match[0]))
 
 
 def _assigned(match: re.Match[bytes]) -> bytes:

@@ -124,11 +124,13 @@ def settle(b: Batch) -> None:
     if old.space != new.space or (
         new.space is not None and not np.array_equal(old.length, new.length)
     ):
-        position, known = retold(b.setup.kinematics, b.state.position, b.state.known, (old, new))
+        position, known = transformed(
+            b.setup.kinematics, b.state.position, b.state.known, (old, new)
+        )
         b.state = replace(b.state, position=position, known=known)
 
 
-def retold(
+def transformed(
     kinematics: Kinematics | None,
     position: np.ndarray,
     known: np.ndarray,
@@ -138,7 +140,7 @@ def retold(
     the first's; None: the slides'."""
     old, new = frames
     if new.face is not None or (old is not None and old.face is not None):
-        return face.retold(kinematics, position, known, frames)
+        return face.transformed(kinematics, position, known, frames)
     if (old is None or old.space is None) and new.space is None:
         return position, known
     row = list(kinematics.linear) if kinematics is not None else []
@@ -176,10 +178,14 @@ def refuse_tips(b: Batch) -> None:
             " which frame X Y Z count then differs",
             "write the offset of the rotary axes into the program's words, with zero in the offset",
         )
-    b.blame(np.flatnonzero(b.machine), f"G53 while {_told(b)}", AROUND)
-    lost(b, np.flatnonzero(b.loses), f"a reference point while {_told(b)}: it takes the tip along")
+    b.blame(np.flatnonzero(b.machine), f"G53 while {_coordinates(b)}", AROUND)
+    lost(
+        b,
+        np.flatnonzero(b.loses),
+        f"a reference point while {_coordinates(b)}: it takes the tip along",
+    )
     if len(b.presets):
-        lost(b, np.zeros(1, np.int64), f"a new zero while {_told(b)}")
+        lost(b, np.zeros(1, np.int64), f"a new zero while {_coordinates(b)}")
     if b.frame.tip is not None:
         cutter = np.broadcast_to(b.held("cutter"), b.n)
         b.blame(
@@ -189,7 +195,7 @@ def refuse_tips(b: Batch) -> None:
         )
 
 
-def _told(b: Batch) -> str:
+def _coordinates(b: Batch) -> str:
     """What X Y Z are."""
     return (
         "X Y Z are"

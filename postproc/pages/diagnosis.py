@@ -21,7 +21,9 @@ def page(d: Diagnosis, written: str = "", accept: tuple[str, ...] = ()) -> Page:
     """The page of a diagnosis. written: the folder of the machine that was written with it; accept:
     names that went into it by --accept."""
     mood = {"nothing-left-out": "good", "left-out-physics": "bad", "unknown": "open"}[d.verdict]
-    made = Page(f"Diagnosis of {d.machine.name}", prose.headline(d), "open" if d.doubts else mood)
+    made = Page(
+        f"Diagnosis of {d.machine.name}", prose.headline(d), "open" if d.disagreements else mood
+    )
     made.subject = [
         ("machine", d.machine.title or d.machine.name),
         ("map", d.machine.digest),
@@ -32,7 +34,7 @@ def page(d: Diagnosis, written: str = "", accept: tuple[str, ...] = ()) -> Page:
     rounds = list(circles.of_diagnosis(d))
     _first(made, d, drawn, rounds)
     _tiles(made, d)
-    _listing(made, "In doubt", [f"{text}." for text in d.doubts])
+    _listing(made, "In doubt", [f"{text}." for text in d.disagreements])
     _found(made, d)
     _listing(made, "Where it stands out", [f"{prose.where(d, place)}." for place in d.places])
     _not_named(made, d)

@@ -62,7 +62,7 @@ def page(filter_: Filter, verifier: Verifier, why: str = "") -> Page:
         _along(result, trace, verifier, before, after)
         _histogram(result, trace, verifier)
         _worst(result, trace)
-    _told(result, filter_, verifier)
+    _add_notices(result, filter_, verifier)
     return result
 
 
@@ -310,7 +310,7 @@ def _worst(result: Page, trace: Trace) -> None:
     )
 
 
-def _told(result: Page, filter_: Filter, verifier: Verifier) -> None:
+def _add_notices(result: Page, filter_: Filter, verifier: Verifier) -> None:
     result.section("What a person should know", f"Verified: {verifier.report()}.")
     result.listing([_notice(n) for n in filter_.notices])
     if lacking := lacks(filter_.machine):

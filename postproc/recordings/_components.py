@@ -62,12 +62,12 @@ def component_of(
     Raises UsageError where options contradict each other or name no component; RecordingError with
     the option that is missing where it stays open.
     """
-    axis_told = options.axis.strip().upper()
-    if axis_told not in ("", *AXES):
+    axis_stated = options.axis.strip().upper()
+    if axis_stated not in ("", *AXES):
         raise UsageError(f"--axis {options.axis} is no axis letter", f"one of {' '.join(AXES)}")
     if options.component:
-        return _named(options.component, axis_told, quantity, source.name)
-    axis = axis_told or axis
+        return _named(options.component, axis_stated, quantity, source.name)
+    axis = axis_stated or axis
     place = Place(source.name, where)
     if not axis:
         raise RecordingError(

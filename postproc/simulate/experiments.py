@@ -223,7 +223,7 @@ def soak(write: Writer, ask: Ask) -> Test:
     axis = ask.axes
     low, high = ranges(write.machine, OUTRUN)[axis]
     feed, hours, period = ask.of("feed", 4000.0), ask.of("hours", 1.0), ask.of("period", 300.0)
-    swings = max(1, round(period / (2 * (high - low) / feed * 60.0)))
+    cycles = max(1, round(period / (2 * (high - low) / feed * 60.0)))
     write.begin(f"warming of {axis}")
     write.rest(middle(write.machine, axis), feed)
     number = max(2, round(hours * 3600.0 / period))
@@ -234,7 +234,7 @@ def soak(write: Writer, ask: Ask) -> Test:
             for place in (near, far):
                 write.stop({axis: place}, feed, 3.0)
             if runs:
-                for _ in range(swings):
+                for _ in range(cycles):
                     write.go({axis: high}, feed)
                     write.go({axis: low}, feed)
             else:

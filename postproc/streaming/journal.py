@@ -159,7 +159,7 @@ def read(data: bytes, name: str) -> Past:
     if past is None:
         raise UsageError(f"{name} is empty", "name the file that --journal wrote")
     past.source = {entry["sent"]: entry["source"] for entry in recent}
-    _begin_again(past, list(recent))
+    _set_restart(past, list(recent))
     return past
 
 
@@ -213,7 +213,7 @@ def _taken(past: Past, entry: dict[str, Any], recent: deque[dict[str, Any]]) -> 
         past.outcome = str(entry["outcome"])
 
 
-def _begin_again(past: Past, recent: list[dict[str, Any]]) -> None:
+def _set_restart(past: Past, recent: list[dict[str, Any]]) -> None:
     """Where to begin, and the way on which the machine may have stopped."""
     if "holds" not in past.head:  # written before it was counted what is over
         past.executed = max(past.executed, past.answered - OLD_HOLDS)

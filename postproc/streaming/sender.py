@@ -305,7 +305,7 @@ class Sender:
         """The end that is due, or that nothing has confirmed it."""
         silent = self.state == STOPPING and self.protocol.confirms == "idle" and not self._confirmed
         late = endings.unconfirmed(outcome, self.limits.grace)
-        self.outcome = self._told(late if silent else outcome)
+        self.outcome = self._completed(late if silent else outcome)
 
     def _drain(self, now: float) -> None:
         """All is answered: is it done?"""
@@ -396,7 +396,7 @@ class Sender:
 
     def _restarted(self, event: events.Restarted, now: float) -> None:
         if self.state == STOPPING:
-            self.outcome = self._told(self._pending) if self._pending else None
+            self.outcome = self._completed(self._pending) if self._pending else None
             return
         if self._check_off:  # leaving check mode ends in a restart
             self._sent.clear()
@@ -515,9 +515,9 @@ class Sender:
 
     def _finish(self, outcome: Outcome) -> None:
         if self.outcome is None:
-            self.outcome = self._told(self._pending or outcome)
+            self.outcome = self._completed(self._pending or outcome)
 
-    def _told(self, outcome: Outcome) -> Outcome:
+    def _completed(self, outcome: Outcome) -> Outcome:
         at = unsure = None
         if not self.check and self.protocol.confirms != "nothing":
             parts = self.account.running(self.status) if self.status else self.account.parts

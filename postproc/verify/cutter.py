@@ -20,7 +20,7 @@ from postproc.machine.seen import seen_in
 from postproc.machine.tip import TipMachine
 from postproc.motions import ENTRY, FREE, Motions
 from postproc.nc.beside_corrected import LIMIT
-from postproc.nc.beside_refusals import begun, block_of
+from postproc.nc.beside_refusals import block_of, follower
 from postproc.nc.shifted import Gouge, Shifted, Way
 from postproc.pieces import Pieces
 from postproc.units import TICKS_PER_MM, UM
@@ -121,7 +121,7 @@ class CentreVerifier:
 
     def _enter(self, motions: Motions, i: int, weights: np.ndarray) -> None:
         self.finish()
-        nominal, run = begun(motions, i), begun(motions, i)
+        nominal, run = follower(motions, i), follower(motions, i)
         if nominal is None or run is None:
             return
         self.nominal = Contour(nominal, weights[:, i].copy())

@@ -15,7 +15,7 @@ import numpy as np
 from postproc.volumetric.solve import Fit
 
 # of the prior's variance: what is known to a third of what a machine may have is not measured
-UNTOLD = 0.1
+UNDETERMINED = 0.1
 TIED = 0.05  # of a direction
 
 
@@ -25,7 +25,7 @@ def undetermined(fit: Fit) -> list[list[str]]:
     prior = fit.unknowns.prior
     scaled = fit.covariance / np.outer(prior, prior)
     values, vectors = np.linalg.eigh(scaled / fit.factor)
-    open_ = vectors[:, values > UNTOLD]
+    open_ = vectors[:, values > UNDETERMINED]
     if not open_.shape[1]:
         return []
     onto = open_ @ open_.T

@@ -69,7 +69,7 @@ class Fit:
         )
 
 
-def _weighed_again(
+def _reweighted(
     rows: list[Rows], said: list[bool], found: dict[str, tuple[float, float]]
 ) -> list[Rows]:
     """The readings with the u that what is left asks for, where none is said. found: chi2 of each
@@ -140,7 +140,7 @@ def _solution(rows: Sequence[Rows], said: list[bool], unknowns: Unknowns) -> _So
         one = _Solution(rows, x, jacobian, inverse, residual, found)
         if all(abs(chi - 1) < SETTLED for chi, _ in found.values()):
             break
-        rows, start = _weighed_again(rows, said, found), x
+        rows, start = _reweighted(rows, said, found), x
     return one
 
 

@@ -18,7 +18,7 @@ from proof.generator.readings import normals, project
 from proof.generator.tracks import Track
 
 VISIBLE = 40.0  # energy from which on a tool must name it
-OPEN = 1e6  # um2, of a set-up that nobody knows
+OPEN = 1e6  # um2, of an unknown set-up
 Rows = list[np.ndarray]  # one array (rows, columns) a track
 
 

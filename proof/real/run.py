@@ -86,7 +86,7 @@ def diagnose(job: Job, machine: Path, folder: Path, step: int) -> dict[str, Any]
     ]
     gcomp(*call)
     answer = json.loads((folder / files["--json"]).read_text(encoding="utf-8"))
-    # What is not told apart, or does not foretell targets between, is written only when it is asked
+    # What is not told apart, or does not predict targets between, is written only when it is asked
     # for: here it is.
     names = [
         f"{e['effect']}:{e['axis'] or ''}" for e in answer["effects"] if e["status"] == "accepted"

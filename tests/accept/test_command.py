@@ -219,7 +219,7 @@ def files(place: Path, *changes) -> list[str]:
     return names
 
 
-def test_before_and_after_are_told_by_their_order_or_by_name(tmp_path, capsys):
+def test_before_and_after_are_distinguished_by_their_order_or_by_name(tmp_path, capsys):
     names = files(tmp_path)
     assert gcomp("accept", *names) == 0
     one = capsys.readouterr().out

@@ -209,7 +209,7 @@ def test_what_stays_open_is_listed_in_the_verdict():
         (["good", "turned"], "bad"),
     ],
 )
-def test_the_page_is_green_only_where_a_sign_was_told(verdicts, mood):
+def test_the_page_is_green_only_where_a_sign_was_determined(verdicts, mood):
     """The headline "Nothing here is large enough to judge a sign by" was green."""
     ratios = tuple(Ratio("reversal", 0.0, 0.1, 1e-3, v) for v in verdicts)
     outcome = Outcome("Z", "um", None, None, (), ratios, None, 0.0, None, 0.0, (), {})

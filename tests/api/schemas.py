@@ -23,13 +23,13 @@ def held(data: dict) -> None:
     )
     own = schema(data["format"])
     jsonschema.Draft202012Validator(own).validate(data)
-    assert untold(data, own) == []
+    assert undescribed(data, own) == []
 
 
-def untold(data, own: dict, path: str = "") -> list[str]:
+def undescribed(data, own: dict, path: str = "") -> list[str]:
     """Fields that a schema says nothing about."""
     if isinstance(data, list):
-        return [text for one in data for text in untold(one, own.get("items", {}), path)]
+        return [text for one in data for text in undescribed(one, own.get("items", {}), path)]
     if not isinstance(data, dict) or (
         "properties" not in own and "additionalProperties" not in own
     ):
@@ -37,5 +37,5 @@ def untold(data, own: dict, path: str = "") -> list[str]:
     found = []
     for key, value in data.items():
         part = own.get("properties", {}).get(key, own.get("additionalProperties"))
-        found += [f"{path}.{key}"] if part is None else untold(value, part, f"{path}.{key}")
+        found += [f"{path}.{key}"] if part is None else undescribed(value, part, f"{path}.{key}")
     return found

@@ -73,7 +73,7 @@ def test_the_grinders_line_is_taken_off_once():
     assert not [f for f in result.findings if f.check == "squareness"]
 
 
-def test_lines_that_are_kept_beside_a_squareness_are_told():
+def test_lines_that_are_kept_beside_a_squareness_are_reported():
     options = Options(GRINDER, keep_lines=True, squareness={"B0X": (-382.352941 * URAD, None)})
     told = [
         f for f in calibrate(seed.all_recordings(), options).findings if f.check == "squareness"
@@ -135,7 +135,7 @@ def test_without_position_zero_the_datum_is_the_first_target():
         build([assign(made())], Options(MILL, datum={"X": 600.0}))
 
 
-def test_a_direction_that_was_not_read_is_filled_and_told():
+def test_a_direction_that_was_not_read_is_filled_and_reported():
     """In - at 400 nothing (no overrun): 8 from the other direction less the reversal of 300; at 100
     half way."""
     full = made(component="EXX", values={1: [0, 2, 4, 6, 8], -1: [-1, 1, 3, 4, 9]})

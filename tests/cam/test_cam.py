@@ -37,7 +37,7 @@ OTHERS = {
 FILES = sorted([*HERE.glob("*.gcode"), *HERE.glob("*.nc")])
 STATED = {"G54": {"X": 100.0, "Y": 100.0, "Z": 50.0}, "H1": {}}
 HOME = {"X": 0.0, "Y": 0.0, "Z": 0.0}
-# Motions behind G29, G80, START_PRINT and the like, where nobody knows where the printer stands:
+# Motions behind G29, G80, START_PRINT and the like, where the place of the printer is unknown:
 # none but these is left.
 MOST_LEFT = 4
 

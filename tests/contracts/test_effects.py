@@ -107,7 +107,7 @@ def test_columns_are_vectors_row_by_row(name):
 
 
 @pytest.mark.parametrize("name", [n for n in NAMES if getattr(effects.load(n), "ALONG", False)])
-def test_what_is_along_its_axis_is_told_by_each_row_alone(name):
+def test_what_is_along_its_axis_is_determined_by_each_row_alone(name):
     module = effects.load(name)
     rng = np.random.default_rng(7)
     inside = {x: p + rng.uniform(0, 2, (5, N)) for x, p in STATE.position.items()}

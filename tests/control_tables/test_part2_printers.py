@@ -133,7 +133,7 @@ def test_marlins_report_is_read():
 
 
 @pytest.mark.parametrize("form, model", FIRMWARES)
-def test_what_no_factor_holds_is_told(form, model):
+def test_what_no_factor_holds_is_reported(form, model):
     bent = ErrorTable(
         "Y",
         "X",

@@ -151,7 +151,7 @@ def test_the_example_mill_goes_through_both_formats():
 
 
 @pytest.mark.parametrize("form", FORMATS)
-def test_one_value_for_both_directions_leaves_what_is_told(form):
+def test_one_value_for_both_directions_leaves_what_is_reported(form):
     m = machine(11, two_way=True)
     export = form.write_machine(m, ExportOptions())
     p = places(m, 200)

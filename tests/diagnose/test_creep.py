@@ -62,9 +62,9 @@ def test_cycles_that_differ_are_stick_slip(tmp_path, holds_um):
 def test_an_oscillation_at_creep_does_not_stick(tmp_path):
     """4 um from crest to crest over the same ways as a tooth: it falls as slowly as it rises."""
     t, place, speed = creeping()
-    swing = 2.0 * np.sin(2 * np.pi * 23.0 * t + 3.0 * np.sin(2 * np.pi * 0.05 * t))
-    assert creep.of(place, swing * 1e-3, speed, np.ones(len(t))) is None
-    assert "stick_slip:X" not in names(diagnosed(tmp_path, scale(swing, t, place)))
+    oscillation = 2.0 * np.sin(2 * np.pi * 23.0 * t + 3.0 * np.sin(2 * np.pi * 0.05 * t))
+    assert creep.of(place, oscillation * 1e-3, speed, np.ones(len(t))) is None
+    assert "stick_slip:X" not in names(diagnosed(tmp_path, scale(oscillation, t, place)))
 
 
 def test_what_lags_by_more_than_its_way_does_not_stand():

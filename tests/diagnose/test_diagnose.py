@@ -266,16 +266,16 @@ def test_a_vibration_whose_phase_differs_from_run_to_run(tmp_path):
         unit = np.array(
             [float(cells["X_cmd_mm"]) - centre["X"], float(cells["Z_cmd_mm"]) - centre["Z"]]
         )
-        swing = 4.0 * np.sin(
+        oscillation = 4.0 * np.sin(
             2 * np.pi * 17.0 * float(cells["t_s"]) + phase.setdefault(key, rng.uniform(0, 6.28))
         )
         cells["radial_um"] = (
-            f"{float(cells['radial_um']) + swing * unit[0] / np.linalg.norm(unit):.2f}"
+            f"{float(cells['radial_um']) + oscillation * unit[0] / np.linalg.norm(unit):.2f}"
         )
         lines[k] = ",".join(cells[n] for n in names)
     file.write_text("\n".join(lines) + "\n")
     told = answer([str(file)], STUDER, tmp_path)
-    swings = [e["parameters"] for e in told["effects"] if e["effect"] == "vibration"]
-    largest = max(swings, key=lambda p: p["amplitude_um"]["value"])
+    vibrations = [e["parameters"] for e in told["effects"] if e["effect"] == "vibration"]
+    largest = max(vibrations, key=lambda p: p["amplitude_um"]["value"])
     assert largest["frequency_hz"]["value"] == pytest.approx(17.0, abs=0.1)
     assert largest["amplitude_um"]["value"] == pytest.approx(4.0, rel=0.3)

@@ -225,7 +225,7 @@ def test_the_sizes_that_are_learned_are_the_most_probable_ones(noise):
 
 
 def test_samples_are_whitened_passage_by_passage():
-    """Of the first two of each nothing is foretold; readings that are drawn are the reverse."""
+    """Of the first two of each nothing is predicted; readings that are drawn are the reverse."""
     rng = np.random.default_rng(11)
     ar, innovation = np.array([0.5, 0.2]), 0.6
     edges = np.array([0, 5, 12])
@@ -235,8 +235,8 @@ def test_samples_are_whitened_passage_by_passage():
     x = rng.normal(size=(12, 3))
     white = some.whitened(x)
     for k in range(12):
-        foretold = ar[0] * x[k - 1] + ar[1] * x[k - 2]
-        wanted = x[k] if k in (0, 1, 5, 6) else (x[k] - foretold) / np.sqrt(innovation)
+        predicted = ar[0] * x[k - 1] + ar[1] * x[k - 2]
+        wanted = x[k] if k in (0, 1, 5, 6) else (x[k] - predicted) / np.sqrt(innovation)
         assert white[k] == pytest.approx(wanted / 2.0)
         assert some.whitened(x[:, 0])[k] == pytest.approx(white[k, 0])
     one = replace(some, edges=np.array([0, 12]), r=np.ones(12))

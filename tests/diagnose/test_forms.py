@@ -189,7 +189,7 @@ def test_stick_slip_in_rows_that_are_means():
     assert moved("stick_slip", state, period_mm=1.0, size_um=4.0) == approx([0.0])
 
 
-def test_the_mean_lag_of_a_tooth_lies_within_it():
+def test_the_mean_lag_of_a_sawtooth_lies_within_it():
     within = effects.load("stick_slip").sensible
     assert within(period_mm=1.0, size_um=4.0, mean_um=2.0)
     assert not within(period_mm=1.0, size_um=4.0, mean_um=6.0)
@@ -339,7 +339,7 @@ def test_a_column_bends_out_and_back():
     assert found == approx([0.0, 10.0 * front - 5.0 * back, 5.0])
 
 
-def test_of_one_axis_alone_a_saw_tooth_of_time_is_no_clock():
+def test_of_one_axis_alone_a_sawtooth_of_time_is_no_clock():
     """The same motion of X, with Y at rest and with Y on the move."""
     moving, still = np.array([3.0, -3.0, 3.0]), np.zeros(3)
     clock = effects.load("clock_skew")

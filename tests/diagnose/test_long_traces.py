@@ -117,7 +117,7 @@ def test_places_kept_of_a_row_stand_in_the_middle_of_what_they_stand_for():
     assert waves_of(state, "X", 1 / 3.0)[0] == pytest.approx(wave, abs=0.012)
 
 
-def test_whitening_in_blocks_takes_out_what_the_samples_before_foretell():
+def test_whitening_in_blocks_takes_out_what_the_samples_before_predict():
     """As the recurrence says it, over the ends of blocks; the first of a passage as they are."""
     n, ar = 9000, np.array([0.5, -0.2, 0.1])
     columns = np.random.default_rng(5).normal(size=(n, 9))

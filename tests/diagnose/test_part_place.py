@@ -96,7 +96,7 @@ def test_a_flat_map_does_not_say_where_steps_begin():
 
 
 def test_a_run_under_a_load_of_its_own_is_not_held_out():
-    """Nothing else foretells what that load does; the run beside it is held out."""
+    """Nothing else predicts what that load does; the run beside it is held out."""
     lines = [
         f"{run},{60 * run + k},{50 * k},0,0,1,1,1,{run * 0.1},{400.0 if run == 2 else 0.0}\n"
         for run in (1, 2, 3)

@@ -59,7 +59,7 @@ def test_every_axis_of_the_mill_lags_by_8_ms():
 
 
 @real
-def test_lags_of_some_runs_foretell_the_others():
+def test_lags_of_some_runs_predict_the_others():
     """Weighted by the rounding of the log (three digits) the lags of three runs explain what the
     three others are off by."""
     seen = lags(found(FITTED))

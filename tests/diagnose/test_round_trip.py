@@ -125,7 +125,7 @@ def test_its_deviation_is_no_part_of_the_model_that_is_inverted(tmp_path, name):
     assert np.array_equal(machine.deviation(place, side), bare.deviation(place, side))
 
 
-def test_a_machine_says_of_which_names_its_effects_were_not_told_apart(tmp_path, capsys):
+def test_a_machine_says_of_which_names_its_effects_were_not_distinguished(tmp_path, capsys):
     """Circles alone do not part lost motion from friction: what is written says so, and so does the
     command."""
     circle, found = str(tmp_path / "c.csv"), tmp_path / "found"

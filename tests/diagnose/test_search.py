@@ -299,7 +299,7 @@ def test_terms_by_which_a_form_may_be_wrong(wave):
         ({(1,), (2,)}, ((0, "place"),), (0,)),  # beside a process it is another answer
     ],
 )
-def test_of_sets_that_say_the_same_the_commonest_is_told(monkeypatch, same, on, told):
+def test_of_sets_that_say_the_same_the_commonest_is_reported(monkeypatch, same, on, told):
     """A sag (4 beyond the odds of any name), a bow (2), a squareness (-2); special cases apart."""
     shapes_of = [("sag", "X"), ("squareness", "XY"), ("bow", "X")]
 

@@ -156,7 +156,7 @@ def test_hole_distances_alone_name_no_tool(paths, tmp_path):
     assert not d.findings and d.verdict == "unknown"
 
 
-def test_pockets_foretell_the_boss():
+def test_pockets_predict_the_boss():
     s = suspects.sizes()
     for part in (0, 1):
         assert s["boss"][part] == approx(s["pockets"][part], abs=15) and s["pockets"][part] > 80

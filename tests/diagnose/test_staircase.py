@@ -77,4 +77,4 @@ def test_how_far_it_went_beyond_is_what_it_had_time_for():
     assert targets(",feed_mm_min=,600", 0.4) == pytest.approx([2.0, 2.0])
     # it waited: no more than usual
     assert targets(",feed_mm_min=,600", 9.0) == pytest.approx([3.0, 3.0])
-    assert targets("", 0.0) == pytest.approx([3.0, 3.0])  # nobody knows
+    assert targets("", 0.0) == pytest.approx([3.0, 3.0])  # unknown

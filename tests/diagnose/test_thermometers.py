@@ -53,7 +53,7 @@ def test_it_hangs_at_an_end(hang):
 def test_it_jumps(jump):
     bad = WARMING + np.where(np.arange(N) >= 70, jump, 0.0)
     rows = faulty(bad, TIME / 2)[0]
-    assert rows[0] == 70 and sorted(rows) == list(range(N)), "nobody knows which level was right"
+    assert rows[0] == 70 and sorted(rows) == list(range(N)), "which level was right is unknown"
     assert faulty(bad, TIME * 10) is None or abs(jump) / 120 >= 0.1, "in two minutes a body may"
 
 

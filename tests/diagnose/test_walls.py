@@ -49,7 +49,7 @@ OTHERS = [("centre_distance", "X", 60.0), ("pocket_size", "Y", 40.0)]
 
 @pytest.mark.parametrize("name", ["backlash", "windup", "backlash_position"])
 def test_a_pocket_is_smaller_by_the_lost_motion_and_a_boss_larger(name):
-    """Either wall is short of its place by half of it; what is reached from nobody knows where, and
+    """Either wall is short of its place by half of it; what is reached from an unknown place, and
     another axis, show nothing."""
     sizes = {
         "backlash": {"size_um": 8.0},

@@ -36,11 +36,11 @@ def test_a_row_shows_the_mean_of_its_samples():
         travel={"X": (0.0, 9.0)},
         inside={"X": place},
     )
-    swing = np.hypot(*waves_of(state, "X", 1 / 0.313))
+    amplitude = np.hypot(*waves_of(state, "X", 1 / 0.313))
     phase = np.pi / 3 / 0.313
     # the sum of a geometric series
-    assert swing == pytest.approx(abs(np.sin(4 * phase) / (4 * np.sin(phase))))
-    assert swing > 0.85 > 0.06 > abs(np.sinc(4 / 3 / 0.313))
+    assert amplitude == pytest.approx(abs(np.sin(4 * phase) / (4 * np.sin(phase))))
+    assert amplitude > 0.85 > 0.06 > abs(np.sinc(4 / 3 / 0.313))
 
 
 def test_samples_beyond_the_number_of_a_row_count_for_nothing():
@@ -97,7 +97,7 @@ def test_no_fine_wave_is_found_where_some_wave_fits_as_well_by_chance():
         assert at_targets(places, rng.normal(0.0, 5.0, number)) == []
 
 
-def test_of_even_targets_no_wave_is_told_from_a_slow_curve():
+def test_of_even_targets_no_wave_is_distinguished_from_a_slow_curve():
     places = 25.0 * np.arange(22)
     assert at_targets(places, 8.0 * np.cos(2 * np.pi * places / 1.5625)) == []  # one phase
     assert at_targets(places, 8.0 * np.cos(2 * np.pi * places * (0.64 + 0.5 / 525))) == []
@@ -168,7 +168,7 @@ def test_a_cosine_that_has_lost_its_sine_is_no_wave():
     place = np.arange(10) * 5.0
     wave = np.stack([np.cos(2 * np.pi * place / 10), np.sin(2 * np.pi * place / 10)], axis=1)
     other = np.stack([np.cos(place), np.sin(place)], axis=1)
-    assert library.swings(np.concatenate([wave, other], axis=1)).tolist() == [
+    assert library.harmonic_pairs(np.concatenate([wave, other], axis=1)).tolist() == [
         False,
         False,
         True,

@@ -60,7 +60,7 @@ def test_what_is_as_it_is_where_nobody_states_it_is_not_said():
     assert len(said) == 3 and not any("degree" in line or "b3" in line for line in said)
 
 
-def test_numbers_that_stand_for_something_are_told_by_what_they_stand_for():
+def test_numbers_that_stand_for_something_are_described_by_what_they_stand_for():
     assert of("bow", size_um=3.0, third_um=1.0, across=1.0)[-1] == "the direction of the error: Y"
     assert of("squareness", urad=12.0, leans=1.0)[-1] == "the second as the first moves"
     assert of("cosine", ppm=-40.0, file=1.0)[-1] == "in b.csv alone"
@@ -147,7 +147,7 @@ def test_the_text_says_what_where_how_large_how_sure_and_what_next(found):
     assert not re.search(r"play|= -1\b|: ,|:\s*$|\bnan\b|:\.|  um", text.replace("\n", "|\n"))
 
 
-def test_a_map_that_foretells_nothing_is_said_to_be_of_no_use(found):
+def test_a_map_that_predicts_nothing_is_said_to_be_of_no_use(found):
     cell = SimpleNamespace(low=10.0, high=10.0, approach=1, rows=5, mean=3e-3, error=2e-4)
     left = SimpleNamespace(
         signal=0,

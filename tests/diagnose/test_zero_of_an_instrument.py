@@ -55,10 +55,10 @@ def test_a_large_zero_where_some_places_were_read_more_often_leaves_no_reading_o
     assert len(left_out) <= 2, left_out
 
 
-def test_a_doubt_stays_where_all_readings_of_a_recording_were_left_out():
+def test_a_disagreement_stays_where_all_readings_of_a_recording_were_left_out():
     class NoRows:
         file = np.zeros(0, int)
 
-    doubted = {1: ["it does not fit"], 2: []}
-    left = map_agreement.remaining(doubted, NoRows(), read_machine(STUDER), np.zeros(0))
+    disagreements = {1: ["it does not fit"], 2: []}
+    left = map_agreement.remaining(disagreements, NoRows(), read_machine(STUDER), np.zeros(0))
     assert left == ["it does not fit"]

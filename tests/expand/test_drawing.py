@@ -163,7 +163,7 @@ def test_what_a_shape_does_not_say_is_refused(lines, why):
         text_of(f"G0 X70. Z2.|G71 U2. R1.|G71 P10 Q20 F.2|N10 G0 X20.|G1 {lines}|N20 X62.", A, TURN)
 
 
-def test_a_line_that_can_not_be_read_is_told_at_its_own_place():
+def test_a_line_that_can_not_be_read_is_reported_at_its_own_place():
     """Behind a comment, and told when a cycle asks where the tool stands."""
     with pytest.raises(ProgramError, match="does not belong to a number") as caught:
         text_of("G0 X40. Z2.|(FACE)|G0 X-4.5.Z0.|(ROUGH)|G71 U1. R1.|M30", A, TURN)

@@ -133,7 +133,7 @@ def test_limits_and_the_place_of_a_fault():
         "M98 P9\nM30\nO9\nN1 X1\nGOTO 1\nM99",
     ],
 )
-def test_a_round_that_nothing_ends_is_told_at_once(text):
+def test_a_round_that_nothing_ends_is_reported_at_once(text):
     refused(f"O1\n{text}\n", "goes round without end", "p.nc:", limits=Limits(steps=40))
 
 

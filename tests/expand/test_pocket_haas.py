@@ -200,7 +200,7 @@ def test_the_manuals_islands_stay(shape, step):
 
 
 @pytest.mark.parametrize("distance", [13.0, 30.0])
-def test_a_tool_that_does_not_fit_is_told(distance):
+def test_a_tool_that_does_not_fit_is_reported(distance):
     with pytest.raises(DoesNotFit):
         pocket_path.beside(rounded(random.Random(1)), distance, 1)
 

@@ -92,7 +92,7 @@ def since(angle):
 @pytest.mark.parametrize(
     ("cause", "off"), list(GEOMETRY.items()), ids=[name for name, _ in GEOMETRY]
 )
-def test_a_machine_that_stands_elsewhere_is_told_with_size_and_sign(cause, off):
+def test_a_machine_that_stands_elsewhere_is_reported_with_size_and_sign(cause, off):
     """The bar's length is computed of places, by Pythagoras: nothing of the forms is used."""
     name, size = cause
 

@@ -19,7 +19,7 @@ from postproc.filter import Filter, setup_of
 from postproc.machine import places
 from postproc.motions import ENTRY, FREE, RAPID
 from postproc.nc import dialects
-from postproc.nc.beside_refusals import begun, block_of
+from postproc.nc.beside_refusals import block_of, follower
 from postproc.nc.lexer import lex
 from postproc.nc.shifted import Gouge
 from postproc.verify import Verifier
@@ -264,7 +264,7 @@ def followed(motions):
     for i in np.flatnonzero(motions.cutter != FREE).tolist():
         block = block_of(motions, i, i)
         if motions.cutter[i] == ENTRY and motions.radius[i]:
-            shifted = begun(motions, i)
+            shifted = follower(motions, i)
             if shifted is not None:
                 shifted.enter(motions.start[:, i] / 1e10, block)
         elif shifted is not None:

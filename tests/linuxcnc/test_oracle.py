@@ -24,7 +24,7 @@ def ends(text, **keywords):
     return [motion.end[:3] for motion in motions(text, **keywords)]
 
 
-def test_a_feed_in_inches_is_told_in_millimetres():
+def test_a_feed_in_inches_is_reported_in_millimetres():
     [rapid, feed] = motions("G20 G0 X1 Y2\nG1 Z-.5 A30 F10\nM2\n")
     assert (rapid.line, rapid.kind, feed.line, feed.kind) == (1, "rapid", 2, "feed")
     assert rapid.start == near((0, 0, 0, 0, 0, 0)) and rapid.end == feed.start
@@ -146,7 +146,7 @@ def test_what_a_turning_cycle_does_has_the_line_of_its_word():
     assert {motion.line for motion in made} == {5, 6}
 
 
-def test_a_tilted_arc_is_not_told():
+def test_a_tilted_arc_is_not_reported():
     with pytest.raises(ProgramError, match="not covered") as caught:
         motions("G10 L2 P1 R90\nG18 G0 X10\nG2 X10 Z10 K5 F100\nG0 X1\nM2\n")
     assert caught.value.line == 3 and len(caught.value.before) == 1

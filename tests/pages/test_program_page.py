@@ -87,7 +87,7 @@ def test_a_machine_without_errors_and_one_of_each_are_said_as_they_are(tmp_path,
     assert "um are allowed where lost motion is taken up" in shaft
 
 
-def test_a_written_out_program_is_told_by_the_lines_of_its_author(tmp_path):
+def test_a_written_out_program_is_reported_by_the_lines_of_its_author(tmp_path):
     program = tmp_path / "loop.nc"
     program.write_text(
         "%\nO1\nG90 G21 G18\nG0 X20. Z10.\n#1=1\nWHILE[#1 LE 3]DO1\nG1 X[20+#1*5.] Z[10+#1*10.]"

@@ -173,7 +173,7 @@ def test_a_screw_warms_where_its_nut_runs_and_grows_by_its_own_heat(lathe):
     assert steps.max() <= 11.5e-3 * rise.max() * 1.01
 
 
-def test_squareness_is_told_as_the_angle_between_the_two_axes():
+def test_squareness_is_reported_as_the_angle_between_the_two_axes():
     """The ways of both slides over a metre: minus their product is by how much the angle between
     them is more than a right one."""
     seen = set()

@@ -71,7 +71,7 @@ def test_the_first_name_is_the_one_that_explains_most():
     assert o.top == [False] and o.named == [True]
 
 
-def test_only_accepted_names_count_and_sets_are_told_apart_from_names():
+def test_only_accepted_names_count_and_sets_are_distinguished_from_names():
     o = judge(
         "c",
         "single",
@@ -240,7 +240,7 @@ def test_whether_a_test_would_show_the_spot_is_judged_by_where_it_goes():
     assert trial_tests.seen(sense, "", circle | {"sense": np.array(["1", "-1"])})
 
 
-def test_a_fit_that_its_residuals_do_not_bear_out_is_told(tmp_path):
+def test_a_fit_that_its_residuals_do_not_bear_out_is_reported(tmp_path):
     path = tmp_path / "r.csv"
     path.write_text(
         "recording,row,signal,measured_um,before_um,after_um,held_out\na,1,s,0,0,3.0,1\na,2,s,0,0,4.0,1\na,3,s,0,0,9,0\n"

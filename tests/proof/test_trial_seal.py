@@ -44,7 +44,7 @@ def test_what_was_committed_is_what_is_there(places):
     assert commitment.seeds["null"] != commitment.seeds["blind"]
 
 
-def test_a_byte_of_a_case_that_differs_is_told_with_its_file(places):
+def test_a_byte_of_a_case_that_differs_is_reported_with_its_file(places):
     path = sorted(places.cases.rglob("r1.csv"))[0]
     path.write_bytes(path.read_bytes().replace(b"1", b"2", 1))
     with pytest.raises(
@@ -53,14 +53,14 @@ def test_a_byte_of_a_case_that_differs_is_told_with_its_file(places):
         check(places)
 
 
-def test_a_file_more_or_less_is_told(places):
+def test_a_file_more_or_less_is_reported(places):
     (places.cases / "more.csv").write_text("x")
     with pytest.raises(SealError, match=r"more\.csv first"):
         check(places)
 
 
 @pytest.mark.parametrize("name", ["truth.json", "details.json", "salt", "follow_up"])
-def test_a_byte_of_the_truth_that_differs_is_told(places, name):
+def test_a_byte_of_the_truth_that_differs_is_reported(places, name):
     path = places.sealed / name
     path = sorted(path.rglob("f*.csv"))[0] if path.is_dir() else path
     path.write_text(path.read_text().replace("a", "b", 1))

@@ -89,7 +89,7 @@ def test_several_components_need_a_choice_to_be_written(tmp_path, capsys):
     assert read(Source("one.csv", out.read_bytes())).quantity == "angle"
 
 
-def test_one_broken_file_among_several_is_told_and_the_others_are_shown(rtl, tmp_path, capsys):
+def test_one_broken_file_among_several_is_reported_and_the_others_are_shown(rtl, tmp_path, capsys):
     bad = tmp_path / "bad.txt"
     bad.write_text("hello\n")
     assert main(["recordings", str(bad), str(rtl)]) == 2

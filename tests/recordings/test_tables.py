@@ -109,7 +109,7 @@ def test_an_empty_cell_is_a_missing_reading():
     ]
 
 
-def test_thousands_are_told_from_decimal_commas():
+def test_thousands_are_distinguished_from_decimal_commas():
     """1,234 alone may be either: it is read with a decimal comma, and said; with a point beside it
     the file is refused."""
     recording = taken(

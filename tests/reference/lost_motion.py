@@ -7,7 +7,7 @@ the order of execution:
 
     y = clip(y, c - W/2, c + W/2),     s = (c - y) / (W/2)
 
-c is the command and y the nut; s runs from -1 (it came from above) over 0 (nobody knows) to +1 (it
+c is the command and y the nut; s runs from -1 (it came from above) over 0 (unknown) to +1 (it
 came from below). W is the lost motion B = reverse - forward of the axis' own positioning there, or
 the way of a pre-travel if that is longer. Every component of the axis, its positioning and what
 else was measured in two directions, is
@@ -39,7 +39,7 @@ from .machine import ROTATIONS, TRANSLATIONS, UM, UNIT, rotation
 # mm; a piece up to this, or 1.2 times the play in every axis, can be a take-up
 SHORTEST_TAKE_UP = 0.02
 NEWTON = 6  # steps; the foot of a point on an arc converges by (distance / radius) a step
-NEVER = 1e3  # mm: the distance of a point from a motion whose ends nobody knows
+NEVER = 1e3  # mm: the distance of a point from a motion whose ends are unknown
 
 
 @dataclass
@@ -53,7 +53,7 @@ class Followed:
     take_ups: int = 0
     nominal_motions: int = 0
     output_motions: int = 0
-    unmeasured: list = field(default_factory=list)  # nominal lines whose end nobody knows
+    unmeasured: list = field(default_factory=list)  # nominal lines whose end is unknown
 
     @property
     def rms(self):

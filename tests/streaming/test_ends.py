@@ -167,7 +167,7 @@ def test_a_stop_waits_for_its_answer_though_the_computer_slept():
     assert sender.outcome.kind == "aborted" and "confirm" not in sender.outcome.text()
 
 
-def test_each_pause_of_a_controller_is_told():
+def test_each_pause_of_a_controller_is_reported():
     """Marlin says so again and again while it waits; an answer between two is the end of one."""
     sender = Sender(Marlin())
     sender.give([WireLine(k, k, 0, b"G1 X%d" % k) for k in (1, 2, 3)])

@@ -145,7 +145,7 @@ def test_a_report_of_work_positions_becomes_machine_coordinates():
     )
 
 
-def test_A4_a_line_that_is_echoed_otherwise_is_told():
+def test_A4_a_line_that_is_echoed_otherwise_is_reported():
     protocol = Grbl()
     protocol.send(7, b"G1 X10")
     assert protocol.receive(b"[echo: G1X10]\n") == [Message("[echo: G1X10]")]

@@ -82,7 +82,7 @@ def test_A5_the_last_line_refused_is_asked_for_before_the_end():
     assert seconds > 9.0 and sender.outcome.kind == "error"
 
 
-def test_A8_a_hold_by_a_button_is_told_and_no_stall_and_the_button_goes_on():
+def test_A8_a_hold_by_a_button_is_reported_and_no_stall_and_the_button_goes_on():
     model = GrblModel()
     sender = new_sender(model)
     seconds = run(
@@ -125,7 +125,7 @@ def test_A8_an_ordered_hold_that_the_machines_button_ends_goes_on():
     assert not said(sender, "hold")
 
 
-def test_a_stop_of_the_program_is_told_as_such():
+def test_a_stop_of_the_program_is_reported_as_such():
     model = GrblModel()
     sender = new_sender(model)
     run(

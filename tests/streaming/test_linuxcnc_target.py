@@ -78,7 +78,7 @@ def test_where_another_panel_takes_the_message_the_last_motion_must_have_been_se
     assert report(protocol, 8, "IDLE")[-1] == Accepted(6)
 
 
-def test_what_it_refuses_is_told_with_the_line_where_it_says_one():
+def test_what_it_refuses_is_reported_with_the_line_where_it_says_one():
     events = report(started(), 3, error="Linear move on line 4 would exceed X's positive limit")
     assert [type(e) for e in events] == [Rejected] and events[0].number == 3
     events = report(started(), 3, error="Unknown word starting with r")

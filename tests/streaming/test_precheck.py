@@ -84,7 +84,7 @@ def test_a_zero_at_the_near_end_where_the_controller_was_built_so(place, body, s
     ), err
 
 
-def test_more_way_than_the_machine_has_is_told_before_the_job(place):
+def test_more_way_than_the_machine_has_is_reported_before_the_job(place):
     with PtyHost(made(settings=LIMITS | {"20": "0"}), speed=400.0) as host:
         status, err = job(place, "G0 X250\nG0 X0\nM2\n", host)
     assert status == 0 and "moves X over 251.0 mm, and the controller has 200 mm ($130)" in err

@@ -214,8 +214,8 @@ def test_A11_the_spindle_gets_four_seconds_in_every_controls_unit(dialect, wait)
 
 
 def test_homing_leaves_the_filament_where_it_is():
-    """Slicers write G28 and then G92 E0: the map does not care where E stands, but a zero that
-    nobody knows was refused."""
+    """Slicers write G28 and then G92 E0: the map does not care where E stands, but an
+    unknown zero was refused."""
     filter = filter_("example-mill", "marlin", {})
     filter.feed(b"G21\nG90\nM83\nG28\nG92 E0\nG1 X10 Y10 Z-100 F3000\nG1 X60 E2.5\n")
     assert filter.modal.known.all() and filter.modal.zero_known and filter.summary.changed == 2

@@ -279,7 +279,7 @@ def test_A19_compact_halves_the_bytes_and_moves_no_coordinate(seed):
     assert sizes[1] < 0.5 * sizes[0]
 
 
-def test_A19_a_link_that_is_too_slow_is_told_with_numbers():
+def test_A19_a_link_that_is_too_slow_is_reported_with_numbers():
     """0.1 mm at 6000 mm/min are 1000 lines/s; 20 bytes a line at 115200 baud are 576 a second."""
     load = Load(11520.0)
     for i in range(100):

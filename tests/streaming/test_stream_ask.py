@@ -117,7 +117,7 @@ def test_A5_ask_without_a_terminal_is_refused_before_anything_is_sent(place):
         assert not host.heard
 
 
-def test_A8_a_button_at_the_machine_is_told_and_a_key_goes_on(place):
+def test_A8_a_button_at_the_machine_is_reported_and_a_key_goes_on(place):
     (place / "job.nc").write_text(program(120, 1200))
     with PtyHost(model(), speed=4.0) as host:
         person = Person(place, host, "job.nc")

@@ -104,7 +104,7 @@ def test_A5_a_refused_line_is_named_as_it_was_written(job):
     assert status == 10 and "source line 3 of " in err and "200.ngc" in err and "H7" in err, err
 
 
-def test_a_fault_is_told_at_the_line_written_by_hand_and_before_the_first_byte(job):
+def test_a_fault_is_reported_at_the_line_written_by_hand_and_before_the_first_byte(job):
     (job / "job.nc").write_text(LOOP.replace("#1 * 10", "#1 * 1000"))
     with PtyHost(model()) as host:
         status, _, err = stream(job, host, "job.nc", machine=MACHINE)

@@ -43,7 +43,7 @@ def test_a_control_that_compensates_is_refused(place):
     assert status == 2 and "compensates by itself: backlash of X, 50 um ($160)" in err
 
 
-def test_a_fault_of_the_program_is_told_before_its_first_byte(place):
+def test_a_fault_of_the_program_is_reported_before_its_first_byte(place):
     (place / "job.nc").write_text(program().replace("G0 Z20\nM30", "G0 X9999\nM30"))
     with PtyHost(model()) as host:
         status, _, err = stream(place, host, "job.nc")

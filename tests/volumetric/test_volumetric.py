@@ -88,7 +88,7 @@ def test_lost_motion_is_told_where_both_directions_were_read():
         assert abs(value[0] - truth[u.slices[k]][0]) < 3 * s[0] < 1e-3
 
 
-def test_a_turn_about_the_line_through_two_reflectors_is_not_told():
+def test_a_turn_about_the_line_through_two_reflectors_is_not_determined():
     """Two reflectors: what the Z slide turns about the line through both moves neither. By hand: a
     rotation r with r x (b - a) = 0."""
     rng = np.random.default_rng(1)

@@ -90,7 +90,7 @@ def _passed_and_streamed(
         if not options.quiet:
             print(f"gcomp: {first_pass.PASSED}", file=sys.stderr)
         port, greeting, signals = link
-        greeted = first_pass.greeted_again(port, options, greeting, machine, job, signals)
+        greeted = first_pass.reconnected(port, options, greeting, machine, job, signals)
         link = link._replace(greeting=greeted)
     return _stream(options, machine, link, job, load)
 

@@ -47,7 +47,7 @@ def wanted(options: argparse.Namespace, job: Job, load: Load) -> bool:
     return checkable and (how == "always" or seconds <= max(SECONDS, SHARE * load.expected))
 
 
-def greeted_again(
+def reconnected(
     port, options: argparse.Namespace, greeting: Greeting, machine, job: Job, signals: Signals
 ) -> Greeting:
     """The controller behind the pass, with the same zeros and modes as before. Raises

@@ -57,7 +57,7 @@ def _through_changes(job: Job, answers: Answers | None, bare: bool) -> Iterator[
         begin = change.source + 1
         preamble = _behind(job, job.fresh(live), begin, live)
         if asks is not None and preamble is not None:
-            _look_again(job, live, begin, preamble)
+            _recheck(job, live, begin, preamble)
 
 
 def _until_change(
@@ -167,7 +167,7 @@ def precheck(job: Job, rate: float) -> Load:
     return load
 
 
-def _look_again(job: Job, live: lives.Live, begin: int, preamble: tuple[bytes, ...]) -> None:
+def _recheck(job: Job, live: lives.Live, begin: int, preamble: tuple[bytes, ...]) -> None:
     """The program from a line on, with zeros that were set in between. Raises what is wrong
     with it then."""
     known = job.checks(NO_MORE)

@@ -56,7 +56,7 @@ from postproc.nc.dialects import Dialect
 @dataclass(frozen=True)
 class Family:
     """The cycles of a dialect by ten times their G number, and its frames. `restores`: G80 brings
-    back the motion code (G0 G1 G2 G3) that was in force before the cycle; `forgets`: nobody knows
+    back the motion code (G0 G1 G2 G3) that was in force before the cycle; `forgets`: it is unknown
     which one it leaves. `until_g80`: a motion code does not end a cycle. `parts`: what writes out
     what depends on blocks around it, in this order: roundings, arcs about a pole."""
 

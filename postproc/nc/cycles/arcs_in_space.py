@@ -69,8 +69,8 @@ def _written(
     decimals = {x: scene.decimals(x) + (MORE_DECIMALS if x in mixed else 0) for x in AXES}
     own = own_words(block, (*AXES, *CENTRES.values(), "R", "CR"), (motion,))
     place = min(own)
-    late = [w for w in block.words if w.letter == "M" and w.value in END_OF_PROGRAM_OR_STOP]
-    own |= {block.words.index(w) for w in late}
+    after_motion = [w for w in block.words if w.letter == "M" and w.value in END_OF_PROGRAM_OR_STOP]
+    own |= {block.words.index(w) for w in after_motion}
     sep = b" " if block.spaced else b""
     for k, (a, b) in enumerate(points, 1):
         along = start[third] + (to[third] - start[third]) * k / len(points)
@@ -78,7 +78,7 @@ def _written(
             _words({first: a, second: b, third: along}, written, decimals, scene.incremental)
         )
         if k == len(points):
-            text = sep.join([text, *(block.text[w.start : w.stop] for w in late)])
+            text = sep.join([text, *(block.text[w.start : w.stop] for w in after_motion)])
         if k == 1:
             yield block.written(own, code + sep + text, place)
         else:

@@ -169,15 +169,16 @@ class Drilling(Cycle):
     `actions`: ten times the G number to what is done; `tapping`: those that are followed and stay;
     `refused`: those that can not be written out, and why; `whole`:
     those of them that stay where their hole may. `words`: letters that belong to a cycle
-    beside the axes; `late`: M codes that the control executes behind the motion. `synchronised`:
-    tapping is written out as feeds too, which no machine may be given (for tests)."""
+    beside the axes; `after_motion`: M codes that the control executes behind the motion.
+    `synchronised`: tapping is written out as feeds too, which no machine may be given (for
+    tests)."""
 
     actions: dict[int, Action]
     tapping: tuple[int, ...] = ()
     refused: Mapping[int, str] = MappingProxyType({})
     whole: tuple[int, ...] = ()
     words: str
-    late: tuple[int, ...] = ()
+    after_motion: tuple[int, ...] = ()
     modal = True
 
     def __init__(self, synchronised: bool = False):
@@ -291,7 +292,9 @@ class Drilling(Cycle):
             )
         letters = "".join(w.letter for w in job.place) + hole.axis + self.words + job.drops
         own, clamp = own_words(block, letters, {job.code, *job.codes}), job.clamp
-        m = Moves(scene, own | {i for i, w in enumerate(block.words) if w is clamp}, self.late)
+        m = Moves(
+            scene, own | {i for i, w in enumerate(block.words) if w is clamp}, self.after_motion
+        )
         for level in job.first:
             m.move("G0", {hole.axis: level})
         for k in range(job.times):

@@ -65,7 +65,7 @@ class FanucDrilling(Drilling):
     """`held`: "R" and "depth" as programmed coordinates, "Q" I J K as written."""
 
     actions, tapping, refused = MILL, MILL_TAPPING, MILL_REFUSED
-    whole, late = MILL_WHOLE, AFTER_MOTION
+    whole, after_motion = MILL_WHOLE, AFTER_MOTION
     words, repeats = "RPQKL", "KL"
     dwells: tuple[int, ...] = DWELLS
     pecking: tuple[int, ...] = (730, 830)

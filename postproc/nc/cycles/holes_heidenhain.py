@@ -3,7 +3,7 @@
 
 What each does: klartext_called.py; HEIDENHAIN user's manuals, ISO programming, "Calling a cycle".
 Behind them the motion code and the feed that were in force are named again. A program that
-calls labels runs its text in another order than it stands in, so that nobody knows which cycle was
+calls labels runs its text in another order than it stands in, so that it is unknown which cycle was
 defined last: it is refused.
 """
 

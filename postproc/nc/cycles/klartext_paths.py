@@ -38,7 +38,7 @@ SIDES = re.compile(rb"(?<![A-Z])R[0LR](?![0-9.])")
 MARKED = re.compile(rb"\0([0LR])")
 CALLED = re.compile(rb"[ \t]*(?<![A-Z])M[ \t]*0*99(?![0-9])")
 FEED = re.compile(rb"(?<![A-Z])F[ \t]*([0-9]*\.?[0-9]+|AUTO|MAX)")
-LATE = re.compile(rb"(?<![A-Z])M[ \t]*[0-9]")
+AFTER_MOTION = re.compile(rb"(?<![A-Z])M[ \t]*[0-9]")
 SHIFTED = re.compile(rb"[ \t]*(I?)([XYZ])[ \t]*([-+]?[0-9]*\.?[0-9]+)[ \t]*")
 WITH_PARTS = (1, 2, 17)  # whose data stand behind a point
 DATA_ONLY = (9, 13, 14, 32, 247, *TURNS)  # defined beside a drilling cycle, which holds on
@@ -213,8 +213,8 @@ class KlartextPaths(Before):
             if not self.feed:
                 raise self.scene.fault("the feed behind a cycle is not known", "write F here")
             self.due = False
-            late = LATE.search(code)
-            place = late.start() if late else len(code)
+            after_motion = AFTER_MOTION.search(code)
+            place = after_motion.start() if after_motion else len(code)
             words = code[:place].rstrip(), self.feed, code[place:]
             return [b" ".join(word for word in words if word)]
         return [code]
@@ -310,9 +310,9 @@ class KlartextPaths(Before):
             return None
         return self.scene.at(plane[0]), self.scene.at(plane[1])
 
-    def _go_on(self, kind: bytes, arc: Arc, plane: tuple[str, str, str], begun: bool) -> None:
-        """The way at the end of a path; begun: where it began is known."""
-        if plane != XY or not begun:
+    def _go_on(self, kind: bytes, arc: Arc, plane: tuple[str, str, str], start_known: bool) -> None:
+        """The way at the end of a path; start_known: where it began is known."""
+        if plane != XY or not start_known:
             self.heading.lose()
         elif kind == b"LP":
             self.heading.way = arc.to[0] - arc.at[0], arc.to[1] - arc.at[1]
@@ -364,13 +364,15 @@ class KlartextPaths(Before):
         """L through places; the statement's own words at its first line, M at the last."""
         words = MARKED.sub(rb"R\1", WORD.sub(b"", SIDES.sub(lambda m: b"\0" + m[0][1:], rest)))
         words = b" ".join(words.split())
-        at = LATE.search(words)
-        words, late = (words[: at.start()].rstrip(), words[at.start() :]) if at else (words, b"")
+        at = AFTER_MOTION.search(words)
+        words, after_motion = (
+            (words[: at.start()].rstrip(), words[at.start() :]) if at else (words, b"")
+        )
         fast = FAST.strip() if re.search(rb"F[ \t]*MAX", words) else b""
         lines = []
         for k, (place, z) in enumerate(ways):
             values = dict(zip(plane, (*place, z), strict=True))
             to = [signed(self.scene, axis, v) for axis in "XYZ" if (v := values[axis]) is not None]
-            own = [fast if k else words, late if k == len(ways) - 1 else b""]
+            own = [fast if k else words, after_motion if k == len(ways) - 1 else b""]
             lines.append(b" ".join([b"L", *to, *(text for text in own if text)]))
         return [*self._fed(b"L", lines[0]), *lines[1:]]

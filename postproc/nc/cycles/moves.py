@@ -16,15 +16,15 @@ class Moves:
     coordinates.
 
     The first line keeps the block's other words; M codes that a control executes behind the motion
-    (M0 M1 M2 M30 M60, and `late`) go to the last one.
+    (M0 M1 M2 M30 M60, and `after_motion`) go to the last one.
     """
 
-    def __init__(self, scene: Scene, own: set[int], late: tuple[int, ...] = ()):
+    def __init__(self, scene: Scene, own: set[int], after_motion: tuple[int, ...] = ()):
         self.scene, self.block = scene, scene.block
         self.lines: list[bytes] = []
         self._code = ""
         self._sep = b" " if self.block.spaced else b""
-        later = END_OF_PROGRAM_OR_STOP + late
+        later = END_OF_PROGRAM_OR_STOP + after_motion
         self._last = [
             i
             for i, w in enumerate(self.block.words)

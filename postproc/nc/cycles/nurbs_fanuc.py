@@ -44,11 +44,11 @@ class FanucNurbs(Cycle):
         self.poles: list[tuple[float, ...]] = []
         self.weights: list[Word | None] = []
         self.axes: tuple[str, ...] = ()
-        self.rank, self.begun = RANK, False
+        self.rank, self.started = RANK, False
 
     @property
     def modal(self) -> bool:
-        return self.begun
+        return self.started
 
     def wants(self, scene: Scene, block: Block) -> bool:
         """A block with a knot or a place goes on with the curve."""
@@ -56,7 +56,7 @@ class FanucNurbs(Cycle):
 
     def end(self) -> None:
         """Another motion code came before the last knot. Raises ProgramError."""
-        if self.begun and self.scene is not None:
+        if self.started and self.scene is not None:
             raise self.scene.fault(
                 f"the NURBS ends with {len(self.poles)} control points and {len(self.knots)} knots",
                 f"it needs as many knots as control points and {self.rank} more",
@@ -66,7 +66,7 @@ class FanucNurbs(Cycle):
         """The lines of the curve at its last knot, none before. Raises ProgramError."""
         self.scene = scene
         m = Moves(scene, own_words(block, "".join(FORM.takes), {code}))
-        if not self.begun:
+        if not self.started:
             self._begin(scene, block)
         elif block.word("P"):
             raise scene.fault("P behind the first block of a NURBS", PROGRAM, block.word("P"))
@@ -89,7 +89,7 @@ class FanucNurbs(Cycle):
         if rank is not None and rank not in RANKS:
             raise scene.fault(f"P{rank:g} is no rank of a NURBS", "P2, P3 or P4", block.word("P"))
         self._clear()
-        self.begun, self.rank = True, RANK if rank is None else int(rank)
+        self.started, self.rank = True, RANK if rank is None else int(rank)
 
     # Whole: a list of refusals between the steps that they guard.
     def _block(self, scene: Scene, block: Block) -> None:

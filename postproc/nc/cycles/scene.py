@@ -48,7 +48,7 @@ class Scene:
         self.keeps: Callable[[Motions], bool] | None = None
         self.unsure: set[str] = (
             set()
-        )  # axes whose zero was moved, nobody knows how far, and that no block has named since
+        )  # axes whose zero was moved by an unknown amount, and that no block has named since
         self._codes: dict[str, int] = {}
         self._places: dict[str, float] = {}
         self._decimals: dict[str, int] = {}
@@ -226,7 +226,7 @@ class Scene:
         return value
 
     def _lost(self, axis: str, beside: str) -> bool:
-        """Whether an axis in one plane with another stands nobody knows where."""
+        """Whether an axis in one plane with another stands at an unknown place."""
         return {axis, beside} <= set(self.plane[:2]) and self.tracker.machine(axis) is None
 
     def moved(self, axis: str, value: float) -> None:

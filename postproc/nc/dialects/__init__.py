@@ -396,5 +396,5 @@ def _grammar(dialect: Dialect) -> Grammar:
         ignores=ignores,
         bare_letters=dialect.bare_letters,
         block_end=dialect.block_end,
-        untold=dialect.language in ("linuxcnc", "fanuc"),
+        machine_variables=dialect.language in ("linuxcnc", "fanuc"),
     )

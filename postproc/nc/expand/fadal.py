@@ -46,22 +46,22 @@ class _Run:
         self._find()
 
     def _find(self) -> None:
-        begun = -1
+        first = -1
         for at, code in enumerate(self.codes):
             routine = ROUTINE.fullmatch(code)
             if ENDS_ALL.fullmatch(code) and self.first < len(self.texts):
                 self.behind = at + 1
                 break
             if routine and routine[2] == b"00":
-                number, begun = int(routine[1]), at + 1
+                number, first = int(routine[1]), at + 1
                 self.first = min(self.first, at)
                 if number in self.routines:
                     raise self._fault(at, f"L{number}00 stands twice", "give one another number")
-                self.routines[number] = range(begun, len(self.texts))
-            elif ENDS_ONE.fullmatch(code) and begun >= 0:
-                self.routines[number], begun = range(begun, at), -1
-        if begun >= 0:
-            raise self._fault(begun - 1, f"L{number}00 has no M17 behind it", "write it at its end")
+                self.routines[number] = range(first, len(self.texts))
+            elif ENDS_ONE.fullmatch(code) and first >= 0:
+                self.routines[number], first = range(first, at), -1
+        if first >= 0:
+            raise self._fault(first - 1, f"L{number}00 has no M17 behind it", "write it at its end")
         if self.routines and self.behind == len(self.texts):
             what = "subroutines without the M30 that ends them"
             raise self._fault(self.first, what, "write M30 behind the last M17")

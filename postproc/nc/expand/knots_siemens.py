@@ -69,14 +69,14 @@ class KnownKnots:
     def take(self, line: Line) -> list[Line]:
         """The lines that can leave now."""
         if not self.held and not (BEGINS.search(line.text) and self._begins(line)):
-            return self._told([line])
+            return self._tracked([line])
         block = Block.of(line.text, self.scene.dialect.grammar)
         motions = self.scene.own_codes(block, "motion")
         goes_on = all(c == self.number for c in motions) and not set(ENDS) & set(block.m_codes())
         if goes_on or block.skip:  # the operator's switch says whether that one ends it
             self.held.append((line, block))
             return []
-        return [*self.finish(), *self._told([line])]
+        return [*self.finish(), *self._tracked([line])]
 
     def _begins(self, line: Line) -> bool:
         """Whether the control reads BSPLINE there."""
@@ -95,14 +95,14 @@ class KnownKnots:
                 plain[:count] = self._written(held[:count])
         except Unsure as reason:
             self.kept |= {(line.file, line.source): reason for line in plain[:count]}
-        return self._told(plain)
+        return self._tracked(plain)
 
     def _is_point(self, block: Block) -> bool:
         """Whether its axis words are a control point."""
         own = any(w.letter in self.tracker.setup.axes for w in block.words)
         return own and all(self.scene.group_of(c) in QUIET for c in block.codes)
 
-    def _told(self, lines: list[Line]) -> list[Line]:
+    def _tracked(self, lines: list[Line]) -> list[Line]:
         for line in lines:
             self.tracker.take(line.text, line)
         return lines

@@ -81,7 +81,7 @@ class Memory:
     # -- reading
 
     def number(self, index: int) -> float:
-        """#index. Raises Refusal where it is none, or nobody knows."""
+        """#index. Raises Refusal where it is none, or unknown."""
         if 1 <= index < PROBE.start:
             return self.numbers.get(index, 0.0)
         _check(index)

@@ -6,7 +6,7 @@ EQ 3] N2 (GOTO N2) go to a block of the same program by its name, which is text 
 PX N2 where the local variable PX has a value. CALL O1 Q3 PX=5 runs a subprogram three times up to
 RTS, which takes its variables' values away; MODIN O1 runs it behind every block that moves an axis,
 until MODOUT. X=V1+2 is a word whose number is worked out, in a shape (NLAP1 G81) where it
-stands: at its call it must still be that one. Common variables (V1, VC1) hold what nobody knows
+stands: at its call it must still be that one. Common variables (V1, VC1) hold unknown values
 until the program sets them, as does what NOEX sets. What sets or asks the control's own stays, and
 is refused where it is run.
 """
@@ -87,7 +87,7 @@ def _parts(texts: list[bytes], file: str) -> dict[str, _Part]:
 
 
 class _Run:
-    """`values`: of variables by name; NaN: nobody knows it; none: a local variable is empty."""
+    """`values`: of variables by name; NaN: unknown; none: a local variable is empty."""
 
     def __init__(self, program: Program, tracker: Tracker, limits: Limits):
         self.program, self.tracker, self.limits = program, tracker, limits

@@ -76,7 +76,7 @@ class Boring(Drilling):
         }[self.name](hole)
         lines = [b"G0 " + hole.to(hole.level), *found]
         if self.name == "CYCLE84":
-            lines.append(self._again(speed))
+            lines.append(self._restart_spindle(speed))
         return [*lines, *tracker.motion_code()]
 
     def _wait(self) -> list[bytes]:
@@ -143,7 +143,7 @@ class Boring(Drilling):
                 yield place, level if g["VARI"] == 2 or (raised - level) * up > 0 else raised
         yield bottom, level
 
-    def _again(self, speed: bytes) -> bytes:
+    def _restart_spindle(self, speed: bytes) -> bytes:
         """The spindle as it turned before, the way of SDAC."""
         turn = self._turn("SDAC")
         if not turn:

@@ -97,8 +97,8 @@ class Ways:
         self.ccw, self.last = 1, ""
         self.lines: list[bytes] = []
 
-    def pieces(self, pieces: list[Piece], begun: bool = False) -> None:
-        """A way that is told counter-clockwise, in the sense that is asked for; begun: the tool
+    def pieces(self, pieces: list[Piece], at_start: bool = False) -> None:
+        """A way that is told counter-clockwise, in the sense that is asked for; at_start: the tool
         stands at its start."""
         if self.ccw < 0:
 
@@ -109,7 +109,7 @@ class Ways:
                 Piece(-p.turn, mirror(p.start), mirror(p.end), mirror(p.centre)) for p in pieces
             ]
         for k, piece in enumerate(pieces):
-            if not k and not begun:
+            if not k and not at_start:
                 self.to("G1", piece.start, feed=self.plane)
             if piece.turn:
                 self.arc(piece, feed=self.plane)

@@ -73,7 +73,7 @@ class Spigot(Milling):
         cut.to("G0", z=g["RFP"] + self.get("SDIS"))
         for z in self.depths(g["DP"] + (self.get("FALD") if rough else 0.0)):
             cut.to("G1", z=z, feed=cut.down)
-            cut.pieces(around, begun=True)
+            cut.pieces(around, at_start=True)
         cut.to("G0", z=g["RTP"])
         return [*cut.lines, *ending(tracker, feed)]
 

@@ -157,7 +157,7 @@ class Numbered(Protocol):
         if (
             not self.counting
             or self._slots <= 1
-            or self._again
+            or self._resends
             or self.alone(text)
             or self.alone(self._waiting[-1].text)
         ):
@@ -209,7 +209,7 @@ class Numbered(Protocol):
     def forget(self) -> None:
         self._waiting: deque[Frame] = deque()
         self._known: deque[Frame] = deque(maxlen=HISTORY)
-        self._again: deque[Frame] = deque()
+        self._resends: deque[Frame] = deque()
         self._ask = Requests()
         self._n, self._started = 0, False
         self._spare = 0  # oks to come that answer no line
@@ -305,22 +305,22 @@ class Numbered(Protocol):
     def _taken(self, frame: Frame) -> list[Event]:
         self._waiting.remove(frame)
         self._ask.strange = 0
-        if self._again and self._again[0] is frame:
-            self._again.popleft()
+        if self._resends and self._resends[0] is frame:
+            self._resends.popleft()
         if frame.unread:
             return [Rejected(frame.number, frame.unread), *self._next()]
         return [Accepted(frame.number), *self._next()]
 
     def _next(self) -> list[Event]:
         """The next of the lines that were lost behind one that was asked for."""
-        if self._again and self._again[0] is self._waiting[0] and not self._again[0].resent:
-            self._again[0].resent = True
-            return [Write(self._again[0].data)]
+        if self._resends and self._resends[0] is self._waiting[0] and not self._resends[0].resent:
+            self._resends[0].resent = True
+            return [Write(self._resends[0].data)]
         return []
 
     def _has_all(self, text: str) -> list[Event]:
         """It asks for the line that has not been sent yet."""
-        self._again.clear()
+        self._resends.clear()
         self._missed += bool(self._waiting)
         # twice the ok of a line was taken for a request's own: this build gives requests none
         if self._missed >= 2:
@@ -338,15 +338,15 @@ class Numbered(Protocol):
             return self._has_all(text)
         if n in [frame.n for frame in self._waiting]:
             self._spare += self.own_ok and not self._numbers
-            return self._send_again(text, n)
+            return self._resend(text, n)
         if n <= self._n and n in [frame.n for frame in self._known]:
             return self._fault(f"{text}: it asks for a line that it has already answered")
         return self._strange(text)
 
-    def _send_again(self, text: str, n: int) -> list[Event]:
+    def _resend(self, text: str, n: int) -> list[Event]:
         events: list[Event] = []
         if self._waiting[0].n != n:
-            self._again.clear()
+            self._resends.clear()
         while self._waiting[0].n != n:  # it has those before, and their answer was lost
             events += self._taken(self._waiting[0])
         if n == self._ask.n and self._ask.late > 0:
@@ -358,10 +358,10 @@ class Numbered(Protocol):
         if self._ask.count > PATIENCE_RESENDS:
             return [*events, *self._fault(f"{text}, {PATIENCE_RESENDS} times in a row")]
         self._ask.late = len(self._waiting) - 1
-        self._again = deque(self._waiting)
-        for frame in self._again:
+        self._resends = deque(self._waiting)
+        for frame in self._resends:
             frame.resent = False
-        first = self._again[0]
+        first = self._resends[0]
         first.resent, first.unread, first.oks = True, "", self.answers(first.text)
         return [*events, Busy(text), Write(first.data)]
 
@@ -389,9 +389,7 @@ class Numbered(Protocol):
         self._spare += not self._numbers
         self._bare += self._numbers
         return (
-            [Message(text), *self._send_again(text, frame.n)]
-            if not self._ask.late
-            else [Message(text)]
+            [Message(text), *self._resend(text, frame.n)] if not self._ask.late else [Message(text)]
         )
 
     def _waits(self, text: str) -> list[Event]:

@@ -208,15 +208,15 @@ class TinyG(Protocol):
 
     def overdue(self) -> bytes:
         """A question may be asked again; a block never."""
-        if not self._waiting or not self._waiting[0][1].startswith(b"{") or self._asked_again >= 5:
+        if not self._waiting or not self._waiting[0][1].startswith(b"{") or self._repeats >= 5:
             return b""
-        self._asked_again += 1
+        self._repeats += 1
         return b"\n" + self._waiting[0][1] + b"\n"
 
     def forget(self) -> None:
         self._waiting: deque[tuple[int, bytes]] = deque()
         self._stands_asked = False
-        self._asked_again = 0
+        self._repeats = 0
 
     # -- answers in --------------------------------------------------------------------------------
 
@@ -278,7 +278,7 @@ class TinyG(Protocol):
         self._waiting.popleft()
         if sent == PLACE and (place := numbers(body["mpo"])):
             events.append(Status("idle", place=place))
-        self._asked_again = 0
+        self._repeats = 0
         return [*events, Accepted(number)]
 
     def _differs(self, sent: bytes, body: dict[str, Any], footer: list[int]) -> str:

@@ -41,7 +41,7 @@ def answered(folder: Path, added_um) -> dict:
 @pytest.mark.parametrize(
     "size_um, verdict", [(0.0, "nothing-left-out"), (4.0, "unknown"), (6.0, "unknown")]
 )
-def test_a_run_that_nothing_foretells(tmp_path, size_um, verdict):
+def test_a_run_that_nothing_predicts(tmp_path, size_um, verdict):
     """A zero that creeps during one run of three: more than an instrument in order wanders, and
     nothing that the other runs know of."""
     answer = answered(tmp_path, lambda t: size_um * t)
@@ -59,5 +59,5 @@ def test_a_few_readings_that_took_no_part_say_nothing(monkeypatch, count, told):
     part = SimpleNamespace(whole=SimpleNamespace(rows=rows))
     monkeypatch.setattr(judge, "_least", lambda unit: 2.0)
     sets = SimpleNamespace(evidence=SimpleNamespace(parts=[part]))
-    found = judge._unforetold(cast(Any, d), cast(Any, sets))
+    found = judge._unpredicted(cast(Any, d), cast(Any, sets))
     assert found == [(10.0, 20.0, 0)] * told
