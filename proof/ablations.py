@@ -100,7 +100,7 @@ PARTS: dict[str, Callable[[], list[Patch]]] = {
         (shared_jump, "find", lambda *_: [])
     ],
     "without the comparison with the map's details": lambda: [
-        (map_agreement, "doubts", lambda *_: {})
+        (map_agreement, "disagreements", lambda *_: {})
     ],
 }
 
