@@ -91,6 +91,7 @@ class Summary:
     """What was done so far. largest: mm, the largest correction of an axis."""
 
     lines: int = 0
+    blocks: int = 0
     motions: int = 0
     changed: int = 0
     added: int = 0
@@ -315,6 +316,7 @@ class Filter:
         self.warmth = warmth
         self._percent_seen |= bool(len(words.letter))
         self.summary.lines += words.text.count(b"\n")
+        self.summary.blocks += words.blocks
         self.summary.motions += len(motions)
         self.summary.changed += changed
         self.summary.added += added
