@@ -32,7 +32,9 @@ MAD = 1.4826  # standard deviation of a normal distribution over its median abso
 # what may be set to levels, between which readings do not repeat; readings at a level at least
 FORCES, SEVERAL = ("force_", "load_", "spindle_rpm"), 3
 AROUND, LOCAL = 31, (0.5, 10.0)  # readings around one; times the usual noise
-CHANCE = 0.46  # of the logarithm: two standard deviations of a median of 31 absolute differences
+# of the logarithm: two standard deviations of a median of 31 absolute differences of white noise,
+# and of 31 third differences, which resemble their neighbours more
+CHANCE, CHANCE_THIRD = 0.46, 0.53
 # steps in the smallest gap between readings; of a step, how near a whole number of steps is
 MOST_PARTS, WHOLE = 4, 0.05
 ORDERS = (0, 1, 2, 4, 8)  # of the autoregression
@@ -347,7 +349,8 @@ def _locally(values: np.ndarray, rounding: np.ndarray, dense: bool) -> np.ndarra
     size = np.hypot(_third(values), rounding) if dense else np.abs(values)
     usual = max(float(np.median(size)), 1e-12)
     around = median_filter(size, AROUND, mode="nearest") / usual
-    return np.where(np.abs(np.log(np.maximum(around, 1e-3))) > CHANCE, np.clip(around, *LOCAL), 1.0)
+    chance = CHANCE_THIRD if dense else CHANCE
+    return np.where(np.abs(np.log(np.maximum(around, 1e-3))) > chance, np.clip(around, *LOCAL), 1.0)
 
 
 def _third(values: np.ndarray) -> np.ndarray:
