@@ -109,8 +109,9 @@ def test_noise_that_differs_is_drawn_piece_by_piece():
 
 @pytest.mark.parametrize("case", ["bar", "soak"])
 def test_it_stands_out_where_the_residual_file_says_it_does(case, request):
-    """Rings are rows of the file: their mismatch is the one that is told, and larger than that of
-    the other rows."""
+    """Rings are rows of the file: their mismatch is the one that is reported, and many times the
+    noise of 0.4 um; the scan weighs each by its noise, so that others may lie as far off.
+    """
     answer = request.getfixturevalue(case)
     rings = drawn.curves(answer.html, "left-0-place")["stands out"]
     before = answer.column("before_um")
@@ -120,8 +121,7 @@ def test_it_stands_out_where_the_residual_file_says_it_does(case, request):
     (place,) = answer.json["mismatch"]
     assert np.sqrt(np.mean(np.square(rings["y"]))) == pytest.approx(place["rms_um"], rel=1e-3)
     assert np.abs(rings["y"]).max() == pytest.approx(place["peak_um"], rel=1e-3)
-    rest = before[~ringed]
-    assert place["rms_um"] > np.sqrt(np.mean(rest**2))
+    assert place["rms_um"] > 4 * 0.4
 
 
 def test_what_warms_up_stands_out_when_it_is_warm_and_no_reading_is_an_outlier(soak):
