@@ -3,7 +3,17 @@ cut), a preload that is not even."""
 
 import numpy as np
 
-from postproc.effects import UM, State, Table, along, legendre, lost_motion_share
+from postproc.effects import (
+    UM,
+    State,
+    Table,
+    along,
+    curve_ends,
+    legendre,
+    lost_motion_share,
+    place_in,
+    reached,
+)
 
 PARAMETERS = {
     "b0_um": "um, mean lost motion",
@@ -15,6 +25,8 @@ PARAMETERS = {
     "b6_um": "um, share of its sixth",
     "play_mm": "mm, way after a turn over which it is taken up",
     "degree": "1, 2 or 6, of the highest polynomial; 0 where one stretch is worn",
+    "from_mm": "mm, where the polynomials begin; 0 here and in to_mm: over the travel",
+    "to_mm": "mm, where they end; beyond, it is as there",
     "worn_um": "um, by how much it is more in the middle of a worn stretch",
     "worn_mm": "mm, how far that middle is from the low end of the travel",
     "wide_mm": "mm, how wide the stretch is; 0, there is none",
@@ -27,6 +39,8 @@ OPTIONAL = {
     "b6_um": 0.0,
     "play_mm": 0.0,
     "degree": 2.0,
+    "from_mm": 0.0,
+    "to_mm": 0.0,
     "worn_um": 0.0,
     "worn_mm": 0.0,
     "wide_mm": 0.0,
@@ -54,7 +68,7 @@ TEXT = (
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     near = state.distance.get(axis)
     fine = near is not None and bool(np.any(near < SMALL))
-    plain = {"worn_mm": 0.0, "wide_mm": 0.0}
+    plain = {"worn_mm": 0.0, "wide_mm": 0.0} | curve_ends(state, axis)
     curved = [
         {"play_mm": v, "degree": d} | plain
         for v in ((0.0, 0.004, 0.008, 0.016) if fine else (0.0,))
@@ -68,14 +82,12 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 def _stretches(state: State, axis: str) -> list[tuple[float, float]]:
     """mm: middles and widths of stretches of which readings tell, within what they reach."""
-    low, high = state.travel[axis]
-    place = state.position[axis][state.approach[axis] != 0]
-    reached = (place.min(), place.max()) if len(place) else (high, low)
+    (low, high), seen = state.travel[axis], reached(state, axis)
     return [
         (round(float(at - low), 3), round(wide * (high - low), 3))
         for wide in WIDTHS
         for at in np.linspace(low, high, STEPS + 1)
-        if reached[0] < at < reached[1]
+        if seen[0] < at < seen[1]
     ]
 
 
@@ -86,8 +98,10 @@ def columns(
     degree: float = 2.0,
     worn_mm: float = 0.0,
     wide_mm: float = 0.0,
+    from_mm: float = 0.0,
+    to_mm: float = 0.0,
 ) -> np.ndarray:
-    u = state.share(axis)
+    u = place_in(state.position[axis], state.travel[axis], from_mm, to_mm)
     half = -state.approach[axis] / 2 * lost_motion_share(state, axis, play_mm)
     curves = [half * legendre(u, k) for k in range(int(degree) + 1)]
     if wide_mm > 0:
@@ -109,7 +123,7 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     shares = [*values, *[0.0] * 6][:7]
     return (
         {f"b{k}_um": c for k, c in enumerate(shares)}
-        | {"worn_um": worn, "worn_mm": 0.0, "wide_mm": 0.0}
+        | {"worn_um": worn, "worn_mm": 0.0, "wide_mm": 0.0, "from_mm": 0.0, "to_mm": 0.0}
         | shape
     )
 
@@ -127,12 +141,15 @@ def coefficients(
     worn_um: float = 0.0,
     worn_mm: float = 0.0,
     wide_mm: float = 0.0,
+    from_mm: float = 0.0,
+    to_mm: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     shares = [b0_um, b1_um, b2_um, b3_um, b4_um, b5_um, b6_um]
     shown = 6.0 if any(shares[3:]) else 2.0 if b2_um else 1.0 if b1_um or wide_mm <= 0 else 0.0
     degree = max(degree if wide_mm <= 0 else 0.0, shown)
     values = shares[: int(degree) + 1] + ([worn_um] if wide_mm > 0 else [])
     shape = {"play_mm": play_mm, "degree": degree, "worn_mm": worn_mm, "wide_mm": wide_mm}
+    shape |= {"from_mm": from_mm, "to_mm": to_mm}
     return np.array(values), shape
 
 
@@ -159,8 +176,8 @@ def ramp_mm(b0_um: float, play_mm: float = 0.0, **others: float) -> float:
 
 def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table]:
     nodes = np.linspace(*travel, 121 if named.get("wide_mm", 0.0) <= 0 else 361)
-    shares, _ = coefficients(**named)
-    u = np.linspace(-1, 1, len(nodes))
+    shares, shape = coefficients(**named)
+    u = place_in(nodes, travel, shape["from_mm"], shape["to_mm"])
     wide = named.get("wide_mm", 0.0)
     worn = (
         shares[-1] * _worn(nodes - travel[0], named["worn_mm"], wide)

@@ -1,9 +1,9 @@
 """Pitch shape: a smooth positioning error that is more than a line: Legendre polynomials over the
-travel."""
+travel, or over what was measured of it."""
 
 import numpy as np
 
-from postproc.effects import State, Table, along, legendre, one_way
+from postproc.effects import State, Table, along, curve_ends, legendre, one_way, place_in
 
 MOST = 9
 PARAMETERS = {
@@ -12,8 +12,10 @@ PARAMETERS = {
         for k in range(1, MOST + 1)
     },
     "degree": "1, the highest degree; below zero: without the line",
+    "from_mm": "mm, where the polynomials begin; 0 here and in to_mm: over the travel",
+    "to_mm": "mm, where they end; beyond, it is as there",
 }
-OPTIONAL = {f"c{k}_um": 0.0 for k in range(1, MOST + 1)} | {"degree": 0.0}
+OPTIONAL = dict.fromkeys(PARAMETERS, 0.0)
 # A rolled trapezoidal screw is wrong by 0.3 mm on 300 mm (unverified: makers' catalogues): as a
 # line 1000 ppm of 2 m either side of the middle. What is more than a line is less: a ball screw of
 # ISO 3408-3 grade 10 goes 0.21 mm to and fro on 300 mm.
@@ -30,7 +32,8 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"degree": -5.0}, {"degree": 5.0}, {"degree": float(MOST)}]
+    ends = curve_ends(state, axis)
+    return [{"degree": d} | ends for d in (-5.0, 5.0, float(MOST))]
 
 
 def degrees(degree: float) -> range:
@@ -38,13 +41,15 @@ def degrees(degree: float) -> range:
     return range(2 if degree < 0 else 1, int(abs(degree)) + 1)
 
 
-def columns(state: State, axis: str, degree: float) -> np.ndarray:
-    u = state.share(axis)
+def columns(
+    state: State, axis: str, degree: float, from_mm: float = 0.0, to_mm: float = 0.0
+) -> np.ndarray:
+    u = place_in(state.position[axis], state.travel[axis], from_mm, to_mm)
     return along(axis, *(legendre(u, k) for k in degrees(degree)))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    named = dict(OPTIONAL) | {"degree": shape["degree"]}
+    named = dict(OPTIONAL) | shape
     return named | {
         f"c{k}_um": float(c) for k, c in zip(degrees(shape["degree"]), coefficients, strict=True)
     }
@@ -61,18 +66,21 @@ def coefficients(
     c8_um: float = 0.0,
     c9_um: float = 0.0,
     degree: float = 0.0,
+    from_mm: float = 0.0,
+    to_mm: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     shares = [c1_um, c2_um, c3_um, c4_um, c5_um, c6_um, c7_um, c8_um, c9_um]
     if not degree:
         degree = float(MOST) if any(shares[5:]) else 5.0 if c1_um else -5.0
-    return np.array([shares[k - 1] for k in degrees(degree)]), {"degree": degree}
+    shape = {"degree": degree, "from_mm": from_mm, "to_mm": to_mm}
+    return np.array([shares[k - 1] for k in degrees(degree)]), shape
 
 
 def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table]:
     shares, shape = coefficients(**named)
 
     def of(p: np.ndarray) -> np.ndarray:
-        u = 2 * (p - travel[0]) / (travel[1] - travel[0]) - 1
+        u = place_in(p, travel, shape["from_mm"], shape["to_mm"])
         terms = (c * legendre(u, k) for k, c in zip(degrees(shape["degree"]), shares, strict=True))
         return sum(terms, np.zeros(len(p)))
 
