@@ -12,6 +12,7 @@ from postproc.diagnose.block import Block
 from postproc.diagnose.rows import Rows
 from postproc.effects import structure_drift
 
+LEFT = 0.5  # of the squares of a curve: a line that leaves more does not look like it
 TIME = (
     "structure_drift",
     "spindle_growth",
@@ -49,7 +50,10 @@ def names(rows: Rows, block: Block, contribution: np.ndarray) -> list[str]:
     recordings, were such."""
     shown = np.abs(contribution) > 0.1 * np.abs(contribution).max(initial=0.0)
     result = []
-    for name in LOOKS.get(block.name, ()):
+    looks = LOOKS.get(block.name, ())
+    if block.name == "pitch_shape" and not _straight(rows, block.axis, contribution):
+        looks = PLACE
+    for name in looks:
         module = effects.load(name)
         able = library.visible(rows, module)
         if not np.all(able[shown]):  # it would not show where this shows
@@ -65,3 +69,12 @@ def names(rows: Rows, block: Block, contribution: np.ndarray) -> list[str]:
     if dict(block.shape).get("warm"):  # what was there from the first reading on may be no heat
         result.append(f"scale:{block.axis}")
     return result
+
+
+def _straight(rows: Rows, axis: str, contribution: np.ndarray) -> bool:
+    """Whether a line over the place, as a length that is wrong makes it, takes most of it."""
+    own = contribution != 0
+    place, value = rows.state.position[axis][own], contribution[own] - contribution[own].mean()
+    line = np.column_stack([np.ones(len(place)), place - place.mean()])
+    left = value - line @ np.linalg.lstsq(line, value, rcond=None)[0]
+    return bool(left @ left < LEFT * (value @ value))

@@ -195,5 +195,7 @@ def test_a_curve_of_few_targets_on_a_long_travel_is_the_one_of_a_short_travel(tm
     assert set(one) == set(other) == {"pitch_shape:X", "backlash:X"}
     ends = [other["pitch_shape:X"][name]["value"] for name in ("from_mm", "to_mm")]
     assert ends == [20.0, 180.0]
+    (curved,) = (e for e in answers[1]["effects"] if e["effect"] == "pitch_shape")
+    assert curved["equivalent"] == ["abbe:X"]  # no length that is wrong is such a curve
     after = [answer["fit"]["rms_after_um"] for answer in answers]
     assert after[1] == pytest.approx(after[0], rel=0.1)
