@@ -67,8 +67,6 @@ from postproc.records import record
 UM = 1e-3  # mm
 XYZ = "XYZ"
 FASTEST = 1000.0  # mm/s
-PART = 0.5  # of the travel: a curve over less has its own range
-ENDS = "from_mm", "to_mm"
 ENDLESS = 1e6  # mm: a way after which nothing from before is remembered
 DEEPEST = 16  # ways between turns that a drive remembers, one inside the other
 AT_ONCE = 1 << 15  # samples whose waves are worked out at once: they stay near the processor
@@ -130,33 +128,6 @@ class State:
     def channel(self, *names: str) -> np.ndarray | None:
         """The first of these channels that was recorded."""
         return next((self.channels[n] for n in names if n in self.channels), None)
-
-
-def reached(state: State, axis: str) -> tuple[float, float]:
-    """mm: between which places rows tell from which side their axis came; low > high: nowhere."""
-    place = state.position[axis][state.approach[axis] != 0]
-    low, high = state.travel[axis]
-    return (float(place.min()), float(place.max())) if len(place) else (high, low)
-
-
-def curve_ends(state: State, axis: str) -> dict[str, float]:
-    """from_mm and to_mm of a curve: where readings end, where these reach over less than PART of
-    the travel (a polynomial over all of it is then a line, a parabola and little else there); 0,
-    the travel."""
-    (low, high), travel = reached(state, axis), state.travel[axis]
-    if not 0.0 < high - low < PART * (travel[1] - travel[0]):
-        return dict.fromkeys(ENDS, 0.0)
-    return dict(zip(ENDS, (round(low, 4), round(high, 4)), strict=True))
-
-
-def place_in(
-    place: np.ndarray, travel: tuple[float, float], from_mm: float, to_mm: float
-) -> np.ndarray:
-    """(N,): places (N,) mm as -1 to +1 of the travel, or of a curve's own range where it has one;
-    beyond that as at its ends."""
-    if from_mm < to_mm:
-        return np.clip(2 * (place - from_mm) / (to_mm - from_mm) - 1, -1.0, 1.0)
-    return 2 * (place - travel[0]) / (travel[1] - travel[0]) - 1
 
 
 def along(axis: str, *values: np.ndarray) -> np.ndarray:
@@ -399,7 +370,7 @@ def one_way(
 @cache
 def names() -> tuple[str, ...]:
     """The effects that there are."""
-    return tuple(sorted(module.name for module in pkgutil.iter_modules(__path__)))
+    return tuple(sorted(m.name for m in pkgutil.iter_modules(__path__) if m.name[0] != "_"))
 
 
 def load(name: str) -> ModuleType:

@@ -3,17 +3,8 @@ cut), a preload that is not even."""
 
 import numpy as np
 
-from postproc.effects import (
-    UM,
-    State,
-    Table,
-    along,
-    curve_ends,
-    legendre,
-    lost_motion_share,
-    place_in,
-    reached,
-)
+from postproc.effects import UM, State, Table, along, legendre, lost_motion_share
+from postproc.effects._curve import ENDS, curve_ends, place_in, reached
 
 PARAMETERS = {
     "b0_um": "um, mean lost motion",
@@ -25,11 +16,11 @@ PARAMETERS = {
     "b6_um": "um, share of its sixth",
     "play_mm": "mm, way after a turn over which it is taken up",
     "degree": "1, 2 or 6, of the highest polynomial; 0 where one stretch is worn",
-    "from_mm": "mm, where the polynomials begin; 0 here and in to_mm: over the travel",
-    "to_mm": "mm, where they end; beyond, it is as there",
     "worn_um": "um, by how much it is more in the middle of a worn stretch",
     "worn_mm": "mm, how far that middle is from the low end of the travel",
     "wide_mm": "mm, how wide the stretch is; 0, there is none",
+    "from_mm": "mm, where the polynomials begin; 0 here and in to_mm: over the travel",
+    "to_mm": "mm, where they end; beyond, it is as there",
 }
 OPTIONAL = {
     "b2_um": 0.0,
@@ -39,11 +30,11 @@ OPTIONAL = {
     "b6_um": 0.0,
     "play_mm": 0.0,
     "degree": 2.0,
-    "from_mm": 0.0,
-    "to_mm": 0.0,
     "worn_um": 0.0,
     "worn_mm": 0.0,
     "wide_mm": 0.0,
+    "from_mm": 0.0,
+    "to_mm": 0.0,
 }
 WIDTHS, STEPS = (0.1, 0.2, 0.35), 12  # of the travel; places of a worn stretch along it
 # of what is lost elsewhere, more in a worn stretch; of that, with the other sign (unverified)
@@ -75,7 +66,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
         for d in (1.0, 2.0, 6.0)
     ]
     return curved + [
-        {"play_mm": 0.0, "degree": 0.0, "worn_mm": at, "wide_mm": wide}
+        {"play_mm": 0.0, "degree": 0.0, "worn_mm": at, "wide_mm": wide} | dict.fromkeys(ENDS, 0.0)
         for at, wide in _stretches(state, axis)
     ]
 
@@ -123,7 +114,8 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     shares = [*values, *[0.0] * 6][:7]
     return (
         {f"b{k}_um": c for k, c in enumerate(shares)}
-        | {"worn_um": worn, "worn_mm": 0.0, "wide_mm": 0.0, "from_mm": 0.0, "to_mm": 0.0}
+        | {"worn_um": worn, "worn_mm": 0.0, "wide_mm": 0.0}
+        | dict.fromkeys(ENDS, 0.0)
         | shape
     )
 

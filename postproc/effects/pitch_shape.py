@@ -3,7 +3,8 @@ travel, or over what was measured of it."""
 
 import numpy as np
 
-from postproc.effects import State, Table, along, curve_ends, legendre, one_way, place_in
+from postproc.effects import State, Table, along, legendre, one_way
+from postproc.effects._curve import curve_ends, place_in
 
 MOST = 9
 PARAMETERS = {
