@@ -4,7 +4,6 @@ trusted."""
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import median_filter
 from scipy.special import chdtrc
 
 from postproc.diagnose import locate, telegraph
@@ -31,9 +30,12 @@ DIVISIONS = 12.0**0.5
 # lags and fewest readings of a test of white noise; one recording in a million fails it by chance
 LAGS, SERIES, BY_CHANCE = 8, 24, 1e-6
 Said = dict[str, np.ndarray]
-# readings of which most lie so many times their usual scatter off (291 signals of 120 nulls: 6.8 at
-# most)
-IN_A_ROW, FAR_OFF = 15, 10.0
+# Readings at rest, and samples of motions, that lie so many times the scatter of the others off: of
+# 409 signals of 160 nulls two and three at most did, by more than 1 um.
+TARGETS, SAMPLES, FAR_OFF = 3, 15, 8.0
+# times what its file states of one reading a zero wanders by (188 signals of 160 nulls: 5.1 at
+# most, where it was more than 1 um)
+WANDERS = 5.5
 CLEAR = 1 / (locate.DRAWS + 1)  # chance of a region: none of the draws departs as far
 NO_BETTER = 1.0  # of the squares without a name, in runs that took no part
 NOT_PREDICTABLE = ("vibration", "step_loss")  # in another run: its phase, its moment
@@ -50,7 +52,7 @@ def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
     rest = sets.evidence.y - sum(value for kind, value in said.items() if kind != "noise")
     found = [*_left(d, sets, state, said), *_unpredicted(d, sets)]
     found += [*_autocorrelated(sets, state, said, rest), *_scattered(d, sets, said, rest)]
-    found += _located(d, sets) + _burst(sets, said, rest)
+    found += _located(d, sets) + _far_off(sets, said, rest)
     left = sorted(found, reverse=True)
     parts = [part.whole.rows for part in sets.evidence.parts]
     for f in d.findings:
@@ -205,24 +207,25 @@ def _scattered(
         resolution = step(d.rows.y[own])
         sure = stated or max(SCATTERS * least / MATERIAL, DIVISIONS * resolution)
         sure = max(sure, resolution)
-        rms = spread(rest[own])
-        worth = max(least, UNPREDICTED * sure, OF_EXPLAINED * _size(said["effects"][own]))
-        if not part.unit.dense and len(own) >= FEW and rms > worth:
-            found.append((rms / least, rms, unit))
+        worth = max(least, OF_EXPLAINED * _size(said["effects"][own]))
+        wanders = float(np.std(said["wander"][own])) if stated and "wander" in said else 0.0
+        for rms, most in ((spread(rest[own]), UNPREDICTED * sure), (wanders, WANDERS * sure)):
+            if not part.unit.dense and len(own) >= FEW and rms > max(worth, most):
+                found.append((rms / least, rms, unit))
     return found
 
 
-def _burst(sets: Sets, said: Said, rest: np.ndarray) -> list[tuple[float, float, int]]:
-    """The same of units in which some readings in a row lie far beyond what the others scatter by:
-    each alone would be an outlier, together they are something that came and went. rest (N,) mm."""
+def _far_off(sets: Sets, said: Said, rest: np.ndarray) -> list[tuple[float, float, int]]:
+    """The same of units in which several readings lie far beyond what the others scatter by: one
+    alone would be an outlier, together they are something that comes and goes. rest (N,) mm."""
     found = []
     for unit, part in enumerate(sets.evidence.parts):
-        off, least = np.abs(rest[part.unit.rows]), _least(part.unit)
-        if len(off) < SERIES:
+        own, least = part.unit.rows, _least(part.unit)
+        if len(own) < SERIES:
             continue
-        usual = max(spread(rest[part.unit.rows]), step(sets.evidence.y[part.unit.rows]))
-        most = float(median_filter(off, IN_A_ROW).max())
-        explained = float(np.abs(said["effects"][part.unit.rows]).max())
+        usual = max(spread(rest[own]), step(sets.evidence.y[own]))
+        most = float(np.sort(np.abs(rest[own]))[-SAMPLES if part.unit.dense else -TARGETS])
+        explained = float(np.abs(said["effects"][own]).max())
         if most > max(FAR_OFF * usual, least, OF_EXPLAINED * explained):
             found.append((most / least, most, unit))
     return found

@@ -18,15 +18,15 @@ from postproc.diagnose import judge
 STUDER = Path(__file__).resolve().parents[2] / "machines" / "studer-s36"
 
 
-def answered(folder: Path, added_um) -> dict:
-    """The answer to three runs along Z, of which the middle one, held out, has more."""
+def answered(folder: Path, added_um, of=("2",), runs=3, noise=0.3) -> dict:
+    """The answer to runs along Z, of which these have more: of three the middle one is held out."""
     path, answer = folder / "r.csv", folder / "a.json"
-    words = ["simulate", "--test", "positioning:Z,runs=3", "--machine", str(STUDER)]
-    assert main([*words, "--noise", "0.3", "--seed", "3", "-o", str(path), "--quiet"]) == 0
+    words = ["simulate", "--test", f"positioning:Z,runs={runs}", "--machine", str(STUDER)]
+    assert main([*words, "--noise", f"{noise}", "--seed", "3", "-o", str(path), "--quiet"]) == 0
     lines = path.read_text().splitlines(keepends=True)
     head = [line for line in lines if line.startswith("#")]
     rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
-    own = [row for row in rows if row["run"] == "2"]
+    own = [row for row in rows if row["run"] in of]
     for row, more in zip(own, added_um(np.linspace(-1.0, 1.0, len(own))), strict=True):
         row["reading_um"] = f"{float(row['reading_um']) + more:.3f}"
     out = io.StringIO()
@@ -48,6 +48,22 @@ def test_a_run_that_nothing_predicts(tmp_path, size_um, verdict):
     assert not [e for e in answer["effects"] if e["status"] == "accepted"]
     assert answer["verdict"] == verdict
     assert (answer["unknown"] is None) == (size_um == 0.0)
+
+
+@pytest.mark.parametrize("places, verdict", [((4,), "nothing-left-out"), ((4, 9, 15), "unknown")])
+def test_several_readings_far_off_are_something_that_comes_and_goes(tmp_path, places, verdict):
+    """A slide with two states, 7 um apart, of which the second is taken at some targets in two runs
+    of four: no noise, however long its tails may be."""
+
+    def states(t):
+        off = np.zeros((4, len(t) // 4))
+        for k, place in enumerate(places):
+            off[[k % 2, 2 + k % 2], place] = -7.0
+        return off.ravel()
+
+    answer = answered(tmp_path, states, of=("1", "2", "3", "4"), runs=4)
+    assert not [e for e in answer["effects"] if e["status"] == "accepted"]
+    assert answer["verdict"] == verdict
 
 
 @pytest.mark.parametrize("count, told", [(0, 0), (judge.FEWEST - 1, 0), (judge.FEWEST, 1)])
