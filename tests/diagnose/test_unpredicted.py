@@ -66,6 +66,18 @@ def test_several_readings_far_off_are_something_that_comes_and_goes(tmp_path, pl
     assert answer["verdict"] == verdict
 
 
+@pytest.mark.parametrize("size_um, verdict", [(0.8, "nothing-left-out"), (3.5, "unknown")])
+def test_a_zero_that_wanders_by_far_more_than_the_file_states(tmp_path, size_um, verdict):
+    """A floor that settles once, behind a load, beside readings uncertain by 0.2 um."""
+
+    def settled(t):
+        return size_um * (1.0 - np.exp(-np.maximum(t + 0.3, 0.0) / 0.3))
+
+    answer = answered(tmp_path, settled, of=("1", "2"), runs=2, noise=0.2)
+    assert not [e for e in answer["effects"] if e["status"] == "accepted"]
+    assert answer["verdict"] == verdict
+
+
 @pytest.mark.parametrize("count, told", [(0, 0), (judge.FEWEST - 1, 0), (judge.FEWEST, 1)])
 def test_a_few_readings_that_took_no_part_say_nothing(monkeypatch, count, told):
     """20 um off where the noise is 1 um: of five readings it may be chance."""
