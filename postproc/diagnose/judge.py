@@ -225,9 +225,9 @@ def _far_off(sets: Sets, said: Said, rest: np.ndarray) -> list[tuple[float, floa
             continue
         usual = max(spread(rest[own]), step(sets.evidence.y[own]))
         most = float(np.sort(np.abs(rest[own]))[-SAMPLES if part.unit.dense else -TARGETS])
-        explained = float(np.abs(said["effects"][own]).max())
-        if most > max(FAR_OFF * usual, least, OF_EXPLAINED * explained):
-            found.append((most / least, most, unit))
+        rms, worth = _size(rest[own]), max(least, OF_EXPLAINED * _size(said["effects"][own]))
+        if most > max(FAR_OFF * usual, worth) and rms > worth:
+            found.append((rms / least, rms, unit))
     return found
 
 

@@ -16,11 +16,12 @@ def reached(state: State, axis: str) -> tuple[float, float]:
 
 
 def curve_ends(state: State, axis: str) -> dict[str, float]:
-    """from_mm and to_mm of a curve: where readings end, where these reach over less than PART of
+    """from_mm and to_mm of a curve: where targets end, where these reach over less than PART of
     the travel (a polynomial over all of it is then a line, a parabola and little else there); 0,
-    the travel."""
+    the travel. A circle or a log of a few mm tells no curve of a screw."""
     (low, high), travel = reached(state, axis), state.travel[axis]
-    if not 0.0 < high - low < PART * (travel[1] - travel[0]):
+    moving = state.passage[state.approach[axis] != 0] >= 0 if len(state.passage) else False
+    if np.any(moving) or not 0.0 < high - low < PART * (travel[1] - travel[0]):
         return dict.fromkeys(ENDS, 0.0)
     return dict(zip(ENDS, (round(low, 4), round(high, 4)), strict=True))
 
