@@ -4,7 +4,9 @@ import numpy as np
 
 from postproc.effects import State
 
-PART = 0.5  # of the travel: a curve over less has its own range
+# of the travel: a curve over less than the second has its own range; over less than the first no
+# screw differs by more than a line (unverified)
+PART = 0.1, 0.5
 ENDS = "from_mm", "to_mm"
 
 
@@ -16,12 +18,13 @@ def reached(state: State, axis: str) -> tuple[float, float]:
 
 
 def curve_ends(state: State, axis: str) -> dict[str, float]:
-    """from_mm and to_mm of a curve: where targets end, where these reach over less than PART of
-    the travel (a polynomial over all of it is then a line, a parabola and little else there); 0,
-    the travel. A circle or a log of a few mm tells no curve of a screw."""
+    """from_mm and to_mm of a curve: where targets end, where these reach over such a part of the
+    travel that a polynomial over all of it is a line, a parabola and little else there; 0, the
+    travel. A circle or a log of a few mm tells no curve of a screw."""
     (low, high), travel = reached(state, axis), state.travel[axis]
     moving = state.passage[state.approach[axis] != 0] >= 0 if len(state.passage) else False
-    if np.any(moving) or not 0.0 < high - low < PART * (travel[1] - travel[0]):
+    part = (high - low) / (travel[1] - travel[0])
+    if np.any(moving) or not PART[0] < part < PART[1]:
         return dict.fromkeys(ENDS, 0.0)
     return dict(zip(ENDS, (round(low, 4), round(high, 4)), strict=True))
 
