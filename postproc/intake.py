@@ -21,7 +21,8 @@ from postproc.errors import GcompError, Place, UsageError
 PROGRAM = 100_000_000  # read whole: --expand, simulate, batch; one that is not may have any length
 LINE = 1_000_000  # of a program
 RECORDING = 400_000_000
-WORKBOOK = 1 << 27  # a part of a workbook, unpacked: a sheet of a million readings has less
+WORKBOOK = 1 << 27  # a sheet or the texts, unpacked: a sheet of a million readings has less
+WORKBOOK_PART = 1 << 23  # any other part of a workbook, unpacked: names, styles
 LOG = 200_000_000  # of thermometers: a year, a row each second, eight columns
 MACHINE = 4_000_000  # machine.toml, session.toml
 TABLE = 64_000_000  # of a machine: a million nodes, six columns
