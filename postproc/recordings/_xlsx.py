@@ -166,13 +166,13 @@ def _text(book, part: str, strings: list[str], times: list[bool], first: datetim
     lines: list[str] = []
     for number, cells in _rows(_each(book, part, "row", 2)):
         if number > MOST_ROWS or number <= len(lines):
-            raise ValueError(f"row {number} stands out of its order")
+            raise ValueError(f"row {number} is out of order")
         lines += [""] * (number - len(lines) - 1)
         row: list[str] = []
         for k, (reference, cell) in enumerate(cells):
             at = _column(reference) if reference else k
             if not len(row) <= at < WIDEST:
-                raise ValueError(f"the cell {reference} stands out of its order")
+                raise ValueError(f"the cell {reference} is out of order")
             row += [""] * (at - len(row))
             row.append(" ".join(_value(cell, strings, times, first).split()))
         lines.append("\t".join(row))
