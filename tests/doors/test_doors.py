@@ -110,12 +110,18 @@ def test_a_control_table_stays_in_the_folder(lathe, capfd):
         ("OFFSETS", "o.csv", ("a.nc", "--machine", "./lathe", "--offsets", "o.csv")),
         ("LOG", "l.csv", ("a.nc", "--machine", "./lathe", "--temperatures", "l.csv")),
         ("PROGRAM", "a.nc", ("a.nc", "--machine", "./lathe", "--expand", "-o", "out.nc")),
+        (
+            "JOURNAL",
+            "out/.gcomp-batch.jsonl",
+            ("batch", "a.nc", "--machine", "./lathe", "-o", "out"),
+        ),
         ("PROGRAM", "a.nc", ("simulate", "a.nc", "--machine", "./lathe", "--instrument", "log")),
     ],
     ids=lambda value: value[0] if isinstance(value, tuple) else str(value),
 )
 def test_a_file_that_is_too_large(lathe, capfd, monkeypatch, limit, path, line):
     """The limit is lowered: files of hundreds of megabytes show no more."""
+    Path(path).parent.mkdir(exist_ok=True)
     Path(path).write_text("x" * 1001)
     monkeypatch.setattr(intake, limit, 1000)
     if limit == "TABLE":  # a default argument
