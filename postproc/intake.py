@@ -21,13 +21,14 @@ from postproc.errors import GcompError, Place, UsageError
 PROGRAM = 100_000_000  # read whole: --expand, simulate, batch; one that is not may have any length
 LINE = 1_000_000  # of a program
 RECORDING = 400_000_000
-WORKBOOK = 1 << 27  # a part of a workbook, unpacked: a sheet of a million readings has less
+WORKBOOK = 1 << 27  # a sheet or the texts, unpacked: a sheet of a million readings has less
+WORKBOOK_PART = 1 << 23  # any other part of a workbook, unpacked: names, styles
 LOG = 200_000_000  # of thermometers: a year, a row each second, eight columns
-MACHINE = 4_000_000  # machine.toml, session.toml
+MACHINE = 4_000_000  # machine.toml, measurement.toml
 TABLE = 64_000_000  # of a machine: a million nodes, six columns
 CONTROL_TABLE = 1 << 24
 OFFSETS = 10_000_000
-JOURNAL = 1 << 30  # of a job of ten million lines
+JOURNAL = 1 << 30  # of a job of ten million lines; ledger of a batch
 MACRO = 1 << 20
 RECEIVED = 1 << 26  # a program that a control sends
 

@@ -69,6 +69,7 @@ def test_an_offset_may_not_be_written_so(text):
         ("2in", "in um"),
         ("0", "not above zero"),
         ("-1um", "not above zero"),
+        ("1e-300", "below 1e-09 mm"),
         ("0,5um", "write 0.5um"),
         ("5", "write 5um or 5mm"),
         ("nan", "like 0.5um"),

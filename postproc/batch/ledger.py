@@ -31,6 +31,10 @@ class Ledger:
         self.known: dict[str, dict[str, Any]] = {}
         self._file = open(self.path, "ab+")  # noqa: SIM115
         self._lock()
+        if self._file.seek(0, os.SEEK_END) > intake.JOURNAL:
+            raise UsageError(
+                f"{self.path} has more than {intake.JOURNAL:,} bytes", "name another folder"
+            )
         self._file.seek(0)
         for line in self._file.read().splitlines():
             try:

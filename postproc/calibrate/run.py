@@ -126,7 +126,7 @@ def _standing_out(
     if not kept:
         names = ", ".join(f"{c.name} ({why})" for c, why in left_out)
         raise CalibrationError(
-            f"no component stands out of its uncertainty: {names}",
+            f"no component exceeds its uncertainty: {names}",
             "there is nothing to correct; --keep-all writes them",
         )
     return left_out, kept

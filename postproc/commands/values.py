@@ -11,7 +11,7 @@ from postproc.units import LARGEST_WORD_MM
 
 LENGTHS = {"um": 1e-3, "mm": 1.0, "in": 25.4, "": 1.0}
 LENGTH = expression(r"([-+]?[0-9.]+(?:e-?[0-9]+)?)\s*(um|mm|in|)")
-LONGEST, COARSEST = 10.0, 1.0  # mm
+SHORTEST, COARSEST, LONGEST = 1e-9, 1.0, 10.0  # mm; an atom is 1e-7
 WORD = expression(r"\s*([XYZABCUVWTRQ])\s*=?\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))\s*")
 PLACE = "is not a place like X1,Z-2.5 (mm, radius)"
 OFFSET = "is not an offset like G54=X1,Z2 (mm, radius)"
@@ -45,6 +45,10 @@ def length(text: str) -> float:
     if value > LONGEST:
         raise argparse.ArgumentTypeError(
             f"{text!r} is over {LONGEST:g} mm: is that meant in um? write {found[1]}um"
+        )
+    if value < SHORTEST:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is below {SHORTEST:g} mm; a length is like 0.5um or 0.001mm"
         )
     return value
 

@@ -270,7 +270,7 @@ def tell(b: Columns) -> None:
             Notice(
                 "centre",
                 f"inside G41 G42 the map is read at the tool's centre, {radius:g} mm beside each"
-                " block; at corners, around which it swings, wrong by"
+                " block; at corners, around which it turns, wrong by"
                 f" {2 * radius * steep / UM:.2f} um at most",
                 int(known[0]),
             )

@@ -57,7 +57,7 @@ def parsed(source: Source, sign: float, columns: tuple[str, str]) -> ErrorTable:
             source,
             last,
             f"{len(rows)} rows, and points = {head['points']}",
-            "two at least, and as many as told",
+            "two at least, and as many as stated",
         )
     unit = common.mm_per_unit(ExportOptions(unit=head["unit"]))
     data = np.array(rows).T * unit

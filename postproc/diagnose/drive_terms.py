@@ -122,7 +122,7 @@ def terms(motion: Motion, unit: str) -> Iterator[Term]:
         "friction that differs with the sense of motion, by the speed",
         (f"{unit}_per_m_s",),
         "Friction grows with the speed more one way than the other: cover, wiper, cable chain or a"
-        " nut that leans.",
+        " tilted nut.",
         lambda m: [np.abs(m.velocity) * M],
     )
     speeds = (0.02, 0.05, 0.1, 0.2, 0.4)
@@ -190,10 +190,10 @@ def terms(motion: Motion, unit: str) -> Iterator[Term]:
     for lead in _leads(motion):
         yield Term(
             "force_ripple",
-            "a force that swings with the place",
+            "a force that is periodic in the place",
             (f"amplitude_{unit}",),
-            "The force swings with the place: cogging of the motor, balls that come into the nut,"
-            " an eccentric screw.",
+            "The force is periodic in the place: cogging of the motor, balls that come into the"
+            " nut, an eccentric screw.",
             partial(_harmonic, lead),
             (("period_mm", lead),),
             len(LEADS),

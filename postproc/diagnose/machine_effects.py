@@ -92,7 +92,7 @@ def _not_sure(f: Finding) -> str:
     """Why a finding does not go into a written machine, and the way out."""
     if not f.predictive:
         return (
-            "its curve does not foretell targets that are left out of its fit; measure at more"
+            "its curve does not predict targets that are left out of its fit; measure at more"
             " targets"
         )
     if f.aliases:
@@ -101,7 +101,7 @@ def _not_sure(f: Finding) -> str:
             " corrects otherwise between them; measure at uneven distances"
         )
     if not _sized(f):
-        return "none of its sizes is told from zero; record again with more readings"
+        return "none of its sizes differs from zero; record again with more readings"
     return (
         f"{_keys(f.equivalent)} would explain these readings as well, and correct a program"
         " otherwise; run the test that tells them apart"

@@ -55,8 +55,8 @@ def notices(rows: Rows, units: list[Unit]) -> list[str]:
     return [
         f"{Path(rows.files[rows.file[unit.rows[0]]]).name}:"
         f" {rows.signals[rows.signal[unit.rows[0]]]} holds the mains' frequency, {found[0]:.2f} Hz:"
-        " pickup of the instrument, taken out; what swings at exactly that frequency looks the"
-        " same: record with the drives switched off"
+        " pickup of the instrument, taken out; a vibration of exactly that frequency looks"
+        " the same: record with the drives switched off"
         for unit in units
         if (found := _lines(rows, unit, _runs(rows, unit)))
     ]

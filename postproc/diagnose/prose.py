@@ -156,7 +156,7 @@ def unknown_words(d: Diagnosis) -> str:
         return f"{said}."
     if u.after > NO_HELP * u.before:
         return (
-            f"{said}. A map of it foretells nothing of what was held out ({u.before * scale:.2f}"
+            f"{said}. A map of it predicts nothing of what was held out ({u.before * scale:.2f}"
             f" {size} rms): it does not repeat."
         )
     return (
@@ -169,7 +169,7 @@ def held_out_words(d: Diagnosis) -> str:
     """Before and after on what took no part."""
     fit = fit_of(d)
     if not fit["held_out"]:
-        return "nothing, every run was needed; how well this foretells another run is not known"
+        return "nothing, every run was needed; how well this predicts another run is not known"
     within = f"{100 * fit['coverage95']:.0f} % of its readings lie within their 95 % limits"
     before, noise = (
         f"{fit['rms_before_um']:.2f} um rms by the machine's file",

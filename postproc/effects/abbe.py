@@ -16,8 +16,8 @@ PARAMETERS = {
     "arm_mm": "mm, the arm that was left out of a measured rotation",
     "turn": "0, 1, 2: A, B, C, the rotation",
     "arm": "0, 1, 2: X, Y, Z, the direction of the arm",
-    "known": "1, the rotation is that of the machine's file; 0, nobody measured it",
-    "zero_mm": "mm, where on the axis along the arm a rotation that nobody measured does nothing",
+    "known": "1, the rotation is that of the machine's file; 0, it was not measured",
+    "zero_mm": "mm, where on the axis along the arm a rotation that was not measured does nothing",
     **{
         f"c{k}_urad": f"urad, share of the Legendre polynomial of degree {k} in it" for k in DEGREES
     },

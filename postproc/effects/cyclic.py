@@ -61,7 +61,7 @@ KIND, USE, PER = "machine", "compensate", "axis"
 ALONG = True
 NEEDS, SEES = ("position",), ("tool", "part")
 TEXT = (
-    "The position swings once per turn of the screw or per period of the scale. "
+    "The position error repeats once per turn of the screw or per period of the scale. "
     "Compare the period with the lead; the table must be several nodes a period."
 )
 

@@ -14,7 +14,7 @@ PARAMETERS = {
     "um_K": "um per K, reading over the temperature of the air",
     "file": "number of the recording, 0 the first; -1: all",
     "late_s": (
-        "s, by which the sensor that compensates for the air is late; 0, the air is not"
+        "s, time constant of the sensor that compensates for the air; 0, the air is not"
         " compensated for"
     ),
     "um_h": "um per hour, what the pressure made of it",

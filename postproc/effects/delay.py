@@ -4,12 +4,12 @@ import numpy as np
 
 from postproc.effects import State, along, by_name
 
-PARAMETERS = {"delay_ms": "ms, how late the recording is"}
+PARAMETERS = {"delay_ms": "ms, delay of the recording"}
 PLAUSIBLE = {"delay_ms": (0.0, 5.0)}  # beyond, it is something else
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = ("velocity",), ("scale", "trace")
 TEXT = (
-    "The recording is late, in all axes alike. Align its clock with a reversal; correct the"
+    "The recording is delayed, in all axes alike. Align its clock with a reversal; correct the"
     " recording, not the machine."
 )
 

@@ -16,10 +16,8 @@ PARAMETERS = {
         "um/(m K), reading over beam length and the air's temperature since the recording's first"
         " reading"
     ),
-    "wrong_ppm": (
-        "um/m, by how much the air that the laser was told of is wrong from the first reading on"
-    ),
-    "told": "1, the laser was told of other air; 0, it was not",
+    "wrong_ppm": ("um/m, error of the air that was set in the laser, from the first reading on"),
+    "told": "1, other air was set in the laser; 0, the right one",
     "by": (
         "1, the air changed with its recorded temperature; 0, it did not change; below zero: it"
         " changed with the time, in each of the laser's recordings in its own way"
@@ -37,7 +35,7 @@ OPTIONAL = {"ppm_K": 0.0, "told": 0.0, "wrong_ppm": 0.0, "by": 1.0} | {
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = (), ("laser",)
 TEXT = (
-    "The air along the beam changed, or was not the air that the laser had been told of. "
+    "The air along the beam changed, or was not the air that is set in the laser. "
     "Use the laser's weather station; correct the recording, not the machine."
 )
 

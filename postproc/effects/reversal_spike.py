@@ -16,7 +16,7 @@ PARAMETERS = {
     "size_um": "um, height of the excursion",
     "slope_um": "um, its share that rises first",
     "tau_ms": "ms, how long it lasts; 0, it lasts over a way",
-    "rebounds": "1, the loop overshoots and swings once or twice; 0, it does not",
+    "rebounds": "1, the loop overshoots and oscillates once or twice; 0, it does not",
     "length_mm": "mm, over which way friction builds up; alone, at any speed; 0, at the turn",
 }
 OPTIONAL = {"rebounds": 0.0, "length_mm": 0.0}

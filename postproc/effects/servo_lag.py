@@ -1,5 +1,5 @@
-"""Servo lag: a following error proportional to the speed, v times the time by which the axis is
-late.
+"""Servo lag: a following error proportional to the speed, v times the time by which the axis
+lags.
 
 A position loop without feed-forward is a first-order element: the error comes and goes with the
 loop's time constant, 1 over its gain, which in steady motion is the lag itself; feed-forward of the
@@ -12,7 +12,7 @@ import numpy as np
 from postproc.effects import State, along, by_name, followed, settling
 
 PARAMETERS = {
-    "tau_ms": "ms, how late the axis is in steady motion",
+    "tau_ms": "ms, lag behind the command in steady motion, as a time",
     "settle_ms": "ms, time constant with which the lag comes and goes; 0: at once",
 }
 OPTIONAL = {"settle_ms": 0.0}
@@ -26,7 +26,7 @@ fuller = settling
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("velocity",), ("tool", "scale")
 TEXT = (
-    "The axis follows late in proportion to its speed. "
+    "The axis lags behind its command in proportion to its speed. "
     "Position gain and velocity feed-forward of the drive; the same for all axes that interpolate."
 )
 

@@ -32,7 +32,7 @@ CONTINUOUS = {"frequency_hz": (0.0, 1e5)}
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("time", "velocity"), ("tool", "scale")
 TEXT = (
-    "Something swings at a fixed frequency. Find what turns at that frequency (spindle, fan, pump)"
+    "The tool vibrates at a fixed frequency. Find what turns at that frequency (spindle, fan, pump)"
     " or which mode it is; a program can not correct it."
 )
 SIDES = (-2, -1, 0, 1, 2)  # over the time of a passage

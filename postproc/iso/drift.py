@@ -217,13 +217,13 @@ def _temperatures(d: Drift) -> tuple[list[Parameter], list[str]]:
         known = np.isfinite(warm)
         spread = float(np.ptp(warm[known])) if known.sum() > 2 else 0.0
         if spread < 0.1:
-            notices.append(f"{name} changed by {spread:.2f} K: nothing per kelvin is told by it")
+            notices.append(f"{name} changed by {spread:.2f} K: no coefficient per kelvin follows")
             continue
         found = _per_kelvin(warm[known], d.reading[known])
         if found is None:
             notices.append(
                 f"{name} changed by {spread:.2f} K, too little beside its steps and its noise, or"
-                " in too few readings: nothing per kelvin is told by it"
+                " in too few readings: no coefficient per kelvin follows"
             )
             continue
         slope, U, share, parts = found

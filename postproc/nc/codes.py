@@ -134,7 +134,7 @@ TILTED = (
     " machine's own axes"
 )
 TOOL_POINT = (
-    "the control swings the slides about the tool tip: let the CAM program write the places of the"
+    "the control moves the slides about the tool tip: let the CAM program write the places of the"
     " axes themselves"
 )
 DIRECTION = "its I J K are the tool's direction: --expand writes the rotary axes, under G43.4"

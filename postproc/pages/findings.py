@@ -92,8 +92,8 @@ def names(d: Diagnosis) -> charts.Figure | None:
                 sizes.append(100 * p)
     return charts.lying(
         "names",
-        "How probable each name is if it is one of these: by what the readings tell and what is"
-        " believed beforehand.",
+        "How probable each name is if it is one of these: by the readings and by how common it is"
+        " on machines.",
         labels,
         [("probability", "command", sizes)],
         "%",

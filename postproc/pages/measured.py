@@ -91,7 +91,7 @@ def _causes(made: Page, causes: Causes, name: str) -> None:
     roles = ["@command" if c.range > c.U_range else "@still" for c in shown]
     bars = charts.lying(
         name,
-        "What makes it out of round, of each cause alone, with U (95 %); grey: not told from zero;"
+        "What makes it out of round, of each cause alone, with U (95 %); grey: not significant;"
         f" {said}.",
         [c.name for c in shown],
         [("range round the circle", "command", [c.range / UM for c in shown])],

@@ -22,6 +22,7 @@ from postproc.errors import GcompError, Place, UsageError
 MAGIC = b"PK\x03\x04"
 MOST_ROWS = 1 << 20  # rows of a sheet, by the format
 WIDEST = 1 << 14  # columns
+MOST_ELEMENTS = 8 * WIDEST  # of a row: a cell holds a value, or a text of a few runs
 MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
 RELATION = "{http://schemas.openxmlformats.org/officeDocument/2006/relationships}id"
 BROKEN = (  # what zipfile, zlib and the XML parser say of damage, and what a part says that is none
@@ -78,13 +79,38 @@ def _only_filled(texts: dict[str, str], name: str, error: type[GcompError]) -> s
     return next(iter(filled.values()))
 
 
-def _part(book: zipfile.ZipFile, name: str) -> ElementTree.Element:
-    if book.getinfo(name).file_size > intake.WORKBOOK:
-        raise ValueError(f"{name} has more than {intake.WORKBOOK:,} bytes")
+def _bytes(book: zipfile.ZipFile, name: str, most: int) -> bytes:
+    """A part, unpacked. Raises ValueError for one of more than `most` bytes, or with entities."""
+    if book.getinfo(name).file_size > most:
+        raise ValueError(f"{name} has more than {most:,} bytes")
     data = book.read(name)
     if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
         raise ValueError(f"{name} declares entities, which no spreadsheet does")
-    return ElementTree.fromstring(data)
+    return data
+
+
+def _part(book: zipfile.ZipFile, name: str) -> ElementTree.Element:
+    return ElementTree.fromstring(_bytes(book, name, intake.WORKBOOK_PART))
+
+
+def _each(book: zipfile.ZipFile, name: str, tag: str, depth: int) -> Iterator[ElementTree.Element]:
+    """The elements called `tag`, below `depth` others, of a long part, one by one: memory holds one
+    of them. Raises ValueError for one with more elements in it than a row has."""
+    data, above, held = io.BytesIO(_bytes(book, name, intake.WORKBOOK)), [], 0
+    for event, element in ElementTree.iterparse(data, ("start", "end")):
+        if event == "start":
+            above.append(element)
+            held += 1
+            if held > MOST_ELEMENTS:
+                raise ValueError(f"a row of {name} has more than {MOST_ELEMENTS:,} elements")
+            continue
+        above.pop()
+        if element.tag == MAIN + tag:
+            yield element
+        if len(above) <= depth:
+            held = 0
+            for parent in above:
+                parent.clear()
 
 
 def _sheets(book: zipfile.ZipFile) -> dict[str, str]:
@@ -104,8 +130,7 @@ def _sheets(book: zipfile.ZipFile) -> dict[str, str]:
 def _strings(book: zipfile.ZipFile) -> list[str]:
     if "xl/sharedStrings.xml" not in book.namelist():
         return []
-    root = _part(book, "xl/sharedStrings.xml")
-    return [_joined(item) for item in root.iter(f"{MAIN}si")]
+    return [_joined(item) for item in _each(book, "xl/sharedStrings.xml", "si", 1)]
 
 
 def _joined(item: ElementTree.Element) -> str:
@@ -139,24 +164,26 @@ def _first_day(book: zipfile.ZipFile) -> datetime.datetime:
 
 def _text(book, part: str, strings: list[str], times: list[bool], first: datetime.datetime) -> str:
     lines: list[str] = []
-    for number, cells in _rows(_part(book, part)):
+    for number, cells in _rows(_each(book, part, "row", 2)):
         if number > MOST_ROWS or number <= len(lines):
-            raise ValueError(f"row {number} stands out of its order")
+            raise ValueError(f"row {number} is out of order")
         lines += [""] * (number - len(lines) - 1)
         row: list[str] = []
         for k, (reference, cell) in enumerate(cells):
             at = _column(reference) if reference else k
             if not len(row) <= at < WIDEST:
-                raise ValueError(f"the cell {reference} stands out of its order")
+                raise ValueError(f"the cell {reference} is out of order")
             row += [""] * (at - len(row))
             row.append(" ".join(_value(cell, strings, times, first).split()))
         lines.append("\t".join(row))
     return "\n".join(lines) + "\n"
 
 
-def _rows(root: ElementTree.Element) -> Iterator[tuple[int, list[tuple[str, ElementTree.Element]]]]:
+def _rows(
+    rows: Iterator[ElementTree.Element],
+) -> Iterator[tuple[int, list[tuple[str, ElementTree.Element]]]]:
     number = 0
-    for row in root.iter(f"{MAIN}row"):
+    for row in rows:
         number = int(row.get("r", str(number + 1)))
         yield number, [(str(c.get("r", "")), c) for c in row.iter(f"{MAIN}c")]
 

@@ -172,7 +172,10 @@ class Greeting:
         elif now - self._started > self.listen:
             heard = " ".join(self.banner.split())[:120]
             unknown = f"this is no controller that gcomp knows: {heard!r}"
-            self._fail(*((unknown, "say --protocol, and check --baud") if heard else NO_ANSWER))
+            endless = f"this port sends without a pause: {heard!r}"
+            way = "check --baud, and what else writes to the port"
+            said = (unknown, "say --protocol, and check --baud") if self.auto else (endless, way)
+            self._fail(*(said if heard else NO_ANSWER))
         elif self._pokes and now >= self._poked + POKE_EVERY:
             self._out += self._pokes[0]
             self._pokes = [*self._pokes[1:], self._pokes[0]]

@@ -161,7 +161,7 @@ def test_a_map_that_predicts_nothing_is_said_to_be_of_no_use(found):
     )
     kept, found.unknown = found.unknown, left
     try:
-        assert "foretells nothing" in prose.unknown_words(
+        assert "predicts nothing" in prose.unknown_words(
             found
         ) and "+3.0 um, at Z = 10 mm, approached in +" in prose.unknown_words(found)
         left.after = 5e-4

@@ -4,6 +4,7 @@ and nothing written. docs/SECURITY.md has the same rows."""
 from __future__ import annotations
 
 import shutil
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,8 @@ LATHE = ROOT / "machines" / "example-lathe"
 PROGRAM = "G21 G90 G18 G0 X40. Z100. T0000\nG1 Z80. F0.2\n"
 DIGITS = "9" * 400
 NESTED = "[" * 100_000 + "]" * 100_000
+MAIN = b'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
+OFFICE = b"http://schemas.openxmlformats.org/officeDocument/2006/relationships"
 
 
 @pytest.fixture
@@ -107,17 +110,36 @@ def test_a_control_table_stays_in_the_folder(lathe, capfd):
         ("OFFSETS", "o.csv", ("a.nc", "--machine", "./lathe", "--offsets", "o.csv")),
         ("LOG", "l.csv", ("a.nc", "--machine", "./lathe", "--temperatures", "l.csv")),
         ("PROGRAM", "a.nc", ("a.nc", "--machine", "./lathe", "--expand", "-o", "out.nc")),
+        (
+            "JOURNAL",
+            "out/.gcomp-batch.jsonl",
+            ("batch", "a.nc", "--machine", "./lathe", "-o", "out"),
+        ),
         ("PROGRAM", "a.nc", ("simulate", "a.nc", "--machine", "./lathe", "--instrument", "log")),
     ],
     ids=lambda value: value[0] if isinstance(value, tuple) else str(value),
 )
 def test_a_file_that_is_too_large(lathe, capfd, monkeypatch, limit, path, line):
     """The limit is lowered: files of hundreds of megabytes show no more."""
+    Path(path).parent.mkdir(exist_ok=True)
     Path(path).write_text("x" * 1001)
     monkeypatch.setattr(intake, limit, 1000)
     if limit == "TABLE":  # a default argument
         monkeypatch.setattr("postproc.machine.axis_file.text_of.__defaults__", (1000,))
     assert "more than 1,000 bytes" in refused(capfd, *line)
+
+
+@pytest.mark.parametrize(
+    "inside", [b"<a>" * 200_000, b"<sheetData><row>" + b"<c/>" * 200_000], ids=["deep", "wide"]
+)
+def test_a_workbook_whose_rows_have_no_end_is_not_held_in_memory(lathe, capfd, inside):
+    """A file of 7 kB with two million elements, one within the other, took 600 MB."""
+    sheets = b'<sheets><sheet name="S" xmlns:r="%s" r:id="r1"/></sheets>' % OFFICE
+    with zipfile.ZipFile("r.xlsx", "w", zipfile.ZIP_DEFLATED) as book:
+        book.writestr("xl/workbook.xml", b"<workbook %s>" % MAIN + sheets + b"</workbook>")
+        book.writestr("xl/_rels/workbook.xml.rels", '<R><R Id="r1" Target="s.xml"/></R>')
+        book.writestr("xl/s.xml", b"<worksheet %s>" % MAIN + inside)
+    assert "xl/s.xml has more than 131,072 elements" in refused(capfd, "iso", "r.xlsx")
 
 
 def test_a_machines_name_is_no_block(lathe, capfd):
@@ -174,6 +196,6 @@ def test_rows_that_belong_to_no_run_are_refused(lathe, capfd):
 def test_the_page_names_every_limit():
     text = (ROOT / "docs" / "SECURITY.md").read_text("utf-8")
     names = "PROGRAM LINE RECORDING WORKBOOK LOG MACHINE TABLE CONTROL_TABLE OFFSETS JOURNAL"
-    for name in (*names.split(), "MACRO", "RECEIVED"):
+    for name in (*names.split(), "WORKBOOK_PART", "MACRO", "RECEIVED"):
         assert f"{getattr(intake, name):,}" in text, name
     assert f"keys of {intake.PARTS} parts" in text

@@ -108,7 +108,7 @@ def test_a_thermometer_with_an_error_of_its_own_does_not_make_the_drift_small(
             held += abs(p.value - 5 * UM) <= p.U
             assert p.U < 3 * UM
         else:
-            assert any("nothing per kelvin" in n for n in result.notices)
+            assert any("no coefficient per kelvin" in n for n in result.notices)
     assert held >= 0.93 * told
     assert told == 30 if change > 0.5 else told <= 30
 
@@ -119,7 +119,7 @@ def test_three_readings_tell_nothing_per_kelvin(number):
     n = np.arange(number, dtype=float)
     (result,) = of(recording(n, 600 * n, T_head_C=20 + 0.5 * n))
     assert not [p for p in result.parameters if p.name.startswith("per K")]
-    assert any("T_head_C" in text and "nothing per kelvin" in text for text in result.notices)
+    assert any("T_head_C" in text and "no coefficient per kelvin" in text for text in result.notices)
 
 
 def test_the_device_that_is_said_gives_the_tilt_its_u(recwarn):

@@ -124,6 +124,14 @@ def test_nobody_and_somebody_else():
     assert "no controller that gcomp knows: 'login:'" in str(greeting.fault)
 
 
+def test_a_port_that_never_pauses_is_no_controller_whatever_protocol_is_said():
+    greeting, now = Greeting("grbl"), 0.0
+    while greeting.fault is None and now < 100.0:
+        greeting.tick(now := now + 0.1)
+        greeting.receive(b"<Idle|MPos:1,1,1|FS:0,0>\r\n", now)
+    assert "sends without a pause: '<Idle|" in str(greeting.fault)
+
+
 def test_homing_is_waited_for_and_a_job_can_follow():
     model = GrblModel(homing=True)
     greeting = Greeting("grbl", first=(b"$H",))
