@@ -107,6 +107,9 @@ def test_growth_within_the_tolerance_keeps_the_programmed_R(growth):
     mm, 0.2 um."""
     lines = corrected(growth, BEGIN + "G3 X5 Y15 R5.\n", tolerance=0.001)
     assert lines[2:] == ["G3 X4.9995 Y14.9985 R5."]
+    # R 8: 0.33 um, which is half of the share of the plane and of an increment
+    lines = corrected(growth, BEGIN + "G3 X2 Y18 R8.\n", tolerance=0.001)
+    assert lines[2:] == ["G3 X1.9998 Y17.9982 R8."]
 
 
 def test_growth_keeps_a_full_circle_one_block(growth):

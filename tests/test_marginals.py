@@ -126,6 +126,18 @@ def test_what_belongs_to_no_single_slide_is_said():
     assert all(9.0 < float(n.split()[2]) <= 10.01 for n in said)
 
 
+def test_an_effect_belongs_to_the_table_of_its_axis(tmp_path):
+    axes = "".join(f"[axes.{x}]\ntravel = [0, 300]\nleast_increment = 0.001\n" for x in "XYZ")
+    (tmp_path / "machine.toml").write_text(
+        'format = "gcomp-machine/1"\nname = "m"\ncontrol = "linuxcnc"\n'
+        f'chain = "w-X-Y-b-Z-t"\nsource = "made up"\n{axes}'
+        '[[effect]]\nname = "backlash"\naxis = "X"\nsize_um = 7.0\n'
+    )
+    (table,), notices = marginals(read_machine(tmp_path))
+    assert (table.moving, table.along) == ("X", "X") and not notices
+    assert np.abs(table.forward - table.reverse) / UM == approx(7.0)
+
+
 def test_ends_that_hold_a_value_are_left_out_where_both_directions_hold_it():
     nodes = np.arange(7.0)
     up = np.array([1.0, 1.0, 1.0, 2.0, 3.0, 3.0, 3.0])

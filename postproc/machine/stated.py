@@ -254,7 +254,7 @@ class Stated:
     def turns(self) -> bool:
         """Whether any axis has a rotation, so that the tool's length matters."""
         tables = [t for axis in self.axes.values() for t in axis.tables]
-        return bool(self.chain.rotary) or any(max(t.rows, default=0) >= 3 for t in tables)
+        return bool(self.chain.rotary) or any(row >= 3 for t in tables for row in t.rows)
 
     @cached_property
     def measured(self) -> dict[str, np.ndarray]:

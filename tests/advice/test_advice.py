@@ -100,7 +100,7 @@ CODES = [
 
 
 @pytest.mark.parametrize(("name", "word"), CODES)
-@pytest.mark.parametrize("words", ["", " X20. Z-1.", " P9 X20. Z-1. R2. Q1."])
+@pytest.mark.parametrize("words", ["", " X20. Z-1.", " P9 X20. Z-1. R2. Q100."])
 def test_a_code_that_points_to_expand_is_written_out_or_refused_for_another_reason(
     name, word, words
 ):

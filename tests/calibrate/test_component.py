@@ -231,6 +231,13 @@ def test_the_instrument_counts_in_full_and_noise_does_not():
     assert scatter[0, 5] / UM == approx(0.3 * (1 / 20 + 1 / 40) ** 0.5, rel=0.05)
 
 
+def test_means_without_any_scatter_are_not_compared_with_it():
+    """One run of an instrument whose u is said to be 0: chi-squared would be without bounds."""
+    exact = made()
+    component = build([assign(replace(exact, head=exact.head | {"u_um": 0.0}))], Options(GRINDER))
+    assert component.noise is None and component.small == ""
+
+
 def test_the_temperature_counts_with_the_length_from_the_datum():
     """0.4 K of a steel scale at 510 mm: 11.5e-6 * 0.4 * 510 mm = 2.35 um; at the datum nothing."""
     rng = np.random.default_rng(3)

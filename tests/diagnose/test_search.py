@@ -318,3 +318,35 @@ def test_of_sets_that_say_the_same_the_commonest_is_reported(monkeypatch, same, 
     for other in others:
         other.fit.on = frozenset(on)
     assert search._commonest(best, [best, *others]).members == told
+
+
+@pytest.mark.parametrize("process", [True, False])
+def test_members_are_settled_beside_a_process_that_comes_behind_them(monkeypatch, process):
+    """Friction and a lag are found first; beside a process of places friction is worth nothing,
+    and the lag with that process is looked at though no step of the growth led there."""
+    on = frozenset({(0, "place")})
+
+    def state(members: tuple[int, ...], score: float, on: frozenset = frozenset()) -> Found:
+        one = found(members, score)
+        one.fit.on = on
+        return one
+
+    null, named = state((), 0.0), state((FRICTION, LAG), 90.0)
+    beside, settled = state((FRICTION, LAG), 95.0, on), state((LAG,), 99.0, on)
+    sets = Scored({}, set())
+    sets.null, sets.evidence, sets.seen = lambda: null, None, {}
+    search = Search(cast(Any, sets))
+
+    def grown(start: Found, way: Any, ahead: int = 0) -> list[Found]:
+        if way == search.children:
+            return [start, named] if start is null else [start]
+        return [start, beside] if process and start is named else [start]
+
+    monkeypatch.setattr(search_module, "wandered", lambda *_: False)
+    monkeypatch.setattr(search, "_grown", grown)
+    monkeypatch.setattr(search, "_settled", lambda one: settled if one is beside else one)
+    monkeypatch.setattr(search, "_special", lambda one: [])
+    monkeypatch.setattr(search, "_likeliest", lambda states: max(states, key=lambda s: s.score))
+    monkeypatch.setattr(search, "_commonest", lambda best, states: best)
+    monkeypatch.setattr(search, "_dropped", lambda best: best)
+    assert search._chosen() is (settled if process else named)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 import pytest
 
 from proof.generator import cases, make
 
 SEED = "leak"
+made = lru_cache(None)(make)  # a case that several tests ask for
 
 
 def parts(text: str) -> tuple[list[str], list[str], int]:
@@ -22,7 +25,7 @@ def test_only_readings_change_when_the_effect_is_taken_out(kind, monkeypatch):
     """The same case with nothing hidden: the same names, machine, heads, columns, rows, times,
     positions and channels."""
     for number in range(3):
-        case = make(SEED, kind, number)
+        case = made(SEED, kind, number)
         with monkeypatch.context() as patch:
             patch.setattr(cases, "_hide", lambda *args: [])
             bare = make(SEED, kind, number)
@@ -103,14 +106,14 @@ def test_a_classifier_on_metadata_is_at_chance():
     """Within three standard deviations of one half; a classifier that is given the effect's
     presence outright is not."""
     count = 50
-    null = [metadata(make(SEED, "null", k)) for k in range(count)]
-    single = [metadata(make(SEED, "single", k)) for k in range(count)]
+    null = [metadata(made(SEED, "null", k)) for k in range(count)]
+    single = [metadata(made(SEED, "single", k)) for k in range(count)]
     limit = 3 * 0.5 / np.sqrt(2 * count)
     assert abs(guessed(null, single) - 0.5) < limit
     assert guessed([[*m, 0.0] for m in null], [[*m, 1.0] for m in single]) - 0.5 > limit
 
 
 def test_names_are_opaque_and_differ():
-    names = [make(SEED, kind, k).name for kind in ("null", "adversarial") for k in range(20)]
+    names = [made(SEED, kind, k).name for kind in ("null", "adversarial") for k in range(20)]
     assert len(set(names)) == 40
     assert all(len(n) == 9 and n[0] == "c" and set(n[1:]) <= set("0123456789abcdef") for n in names)

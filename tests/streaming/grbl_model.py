@@ -172,6 +172,15 @@ class GrblModel:
                 self._act()
         self._move(now)
 
+    def due(self) -> float:
+        """When something happens next at the earliest, where nothing is written until then."""
+        ends = [self._wire[0][0] if self._wire else NEVER, self._tx[0][0] if self._tx else NEVER]
+        if self._planner and self.state == RUN:
+            over = self._planned + self._planner[0][0]
+            room = self._pending is not None and self._pending[1] == "room"
+            ends.append(over - SEGMENTS * SEGMENT_S * room)
+        return min(*ends, self._next())
+
     def _texts(self, now: float) -> None:
         """Characters within lines that arrive or are read up to `now`, before anything else
         happens: nearly all that happens is these, and the motors do not care."""

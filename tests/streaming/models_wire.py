@@ -67,6 +67,10 @@ class Receiver:
                 self._act()
         self.now = max(now, self.now)
 
+    def due(self) -> float:
+        """When something happens next at the earliest: at any time."""
+        return self.now
+
     def keep(self, value: int) -> None:
         """Into the receive buffer, or lost."""
         if len(self.rx) >= self.rx_size:

@@ -19,6 +19,7 @@ from tests.streaming.grbl_model import GrblModel
 
 PATIENCE = 60.0  # s
 LAST_BYTES = 0.03  # s that what was written last may take on the model's wire
+SHORT, LONG = 0.001, 0.01  # s between two looks at the model: by when something happens in it
 
 
 class PtyHost:
@@ -45,19 +46,26 @@ class PtyHost:
         self._pressed = b""
         self._powered = False
         self._taking = False
-        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._stood = 0.0  # s for which its loop stood still at most
+        self._failed: BaseException | None = None
+        self._thread = threading.Thread(target=self._live, daemon=True)
 
     def __enter__(self) -> PtyHost:
         self._thread.start()
         return self
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, kind, error: BaseException | None, *_) -> None:
         self._stop = True
         self._thread.join(5)
         with contextlib.suppress(OSError):
             os.close(self.master)
         with contextlib.suppress(OSError):
             os.close(self._slave)
+        if error is not None:
+            alive = "lives on" if self._thread.is_alive() else "ended"
+            error.add_note(f"the model {alive}; it stood still for {self._stood:.2f} s at most")
+        if self._failed is not None:
+            raise AssertionError(f"the model failed: {self._failed!r}") from self._failed
 
     def soon(self, holds: Callable[[], bool]) -> bool:
         """Whether it holds, or does soon: the model takes a byte some time after it was
@@ -90,11 +98,21 @@ class PtyHost:
         self._powered = True
         assert self.soon(lambda: not self._powered)
 
+    def _live(self) -> None:
+        """Until the end, or until the model fails, which is no silence of a controller."""
+        try:
+            self._run()
+        except Exception as error:
+            self._failed = error
+
     def _run(self) -> None:
         started = heard = time.monotonic()
+        pause, turn = SHORT, time.monotonic()
         while True:
             self._taking = False
-            ready = select.select([self.master], [], [], 0.001)[0]
+            ready = select.select([self.master], [], [], pause)[0]
+            last, turn = turn, time.monotonic()
+            self._stood = max(self._stood, turn - last)
             self._taking = bool(ready)  # before the bytes leave the terminal, see read_all
             if self._stop and not ready and time.monotonic() - heard > LAST_BYTES:
                 return
@@ -117,6 +135,7 @@ class PtyHost:
                 data, self._pressed = self._pressed, b""
                 self.model.write(data, now)
             self.model.advance(now)
+            pause = min(max((self.model.due() - now) / self.speed, SHORT), LONG)
             back = self.faults.pass_on("back", self.model.read(now))
             n = len(self.model.received)
             if self.silent_after and n >= self.silent_after:

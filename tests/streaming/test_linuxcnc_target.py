@@ -119,7 +119,7 @@ def test_a_path_that_linuxcncrsh_can_not_hold_is_refused():
 ZERO = (-10.0, -20.0, -30.0)
 CORNERS = [(0.5 * (i % 2) + i * 0.4, 1.0 * (i % 2)) for i in range(30)]
 JOB = ["G21 G90 G94 G17 G61", "G54", "G0 Z5", "G0 X0 Y0", "G1 Z-1 F900"]
-JOB += [f"G1 X{x:.3f} Y{y:.3f} F1200\nG4 P0.05" for x, y in CORNERS]
+JOB += [f"G1 X{x:.3f} Y{y:.3f} F1200\nG4 P0.25" for x, y in CORNERS]
 JOB += ["G0 Z5", "G0 X0 Y0", "G0 Z5", "M2"]
 
 
@@ -129,8 +129,8 @@ def stream(place, port, *arguments):
 
 
 def passed(port) -> int:
-    """How many of the corners the joints stood at, in order, within a micrometre: 50 ms each, so
-    that a busy computer sees them too."""
+    """How many of the corners the joints stood at, in order, within a micrometre: 250 ms each, so
+    that a busy computer sees them too (of 50 ms it saw 11 and 19 of 30)."""
     way = np.array(port.joints())[:, 1:]
     return in_order(way, np.array([(x, y, -1.0) for x, y in CORNERS]) + ZERO, 0.001)
 
