@@ -10,6 +10,7 @@ import numpy as np
 from postproc.diagnose.noise import Unit
 
 ROOM = 1.5  # times what is there: so that few of the columns that come later ask for a copy of all
+RECENT = 32  # members beside the dictionary whose products with all of it are kept
 
 
 class Pairs(NamedTuple):
@@ -30,6 +31,15 @@ class Products(NamedTuple):
     shared: np.ndarray
     within: np.ndarray
     along: np.ndarray
+
+
+class Kept(NamedTuple):
+    """Of columns (n, K), whitened: bd (q, K), zd (f, K), dy (K,) products with a unit's own, with
+    those that it shares, and with its readings."""
+
+    bd: np.ndarray
+    zd: np.ndarray
+    dy: np.ndarray
 
 
 class Growing:
@@ -62,7 +72,7 @@ class Dictionary:
     q), z (n, f), y (n,): its own columns, those that it shares, and its readings, whitened. columns
     (K,): numbers of the columns that show; of: of a block those (n, w), whitened; which (w,): of
     all of the block's they are; where: of all here; bd (q, K), zd (f, K), dy (K,): products with b,
-    z and y."""
+    z and y. Blocks beside it may be members of a set, and are not looked at for others."""
 
     def __init__(self, unit: Unit, b: np.ndarray, z: np.ndarray, y: np.ndarray):
         self.unit, self.b, self.z, self.y = unit, b, z, y
@@ -74,7 +84,8 @@ class Dictionary:
         self.pairs = Pairs(*(np.zeros(0, int),) * 3, np.zeros(0))
         self._pieces: list[np.ndarray] = []  # (n, any) of some blocks each, never moved
         self._bd, self._zd = Growing(b.shape[1]), Growing(z.shape[1])
-        self._crossed: dict[int, np.ndarray] = {}
+        self._aside: dict[int, Kept] = {}
+        self._crossed: dict[int, np.ndarray] = {}  # of those beside it the last ones
         self._within: dict[tuple[int, ...], np.ndarray] = {}
 
     @property
@@ -87,28 +98,44 @@ class Dictionary:
 
     def add(self, blocks: list[tuple[int, int, np.ndarray]]) -> None:
         """Those of some blocks that show in this unit: of each its number, that of its first
-        column, and its columns (N, K) of all rows."""
-        at, new, numbers = len(self.columns), {}, [self.columns]
+        column, -1 beside the dictionary, and its columns (N, K) of all rows."""
+        new, numbers, aside = {}, [self.columns], False
         for number, first, columns in blocks:
             own = columns[self.unit.rows]
             shows = np.flatnonzero(own.any(axis=0))
             if len(shows):
-                self.which[number], self.where[number] = shows, slice(at, at := at + len(shows))
+                self.which[number], new[number], aside = shows, own[:, shows], first < 0
                 numbers.append(first + shows)
-                new[number] = own[:, shows]
-        if new:
+        if not new:
+            return
+        many = sum(own.shape[1] for own in new.values())
+        wide = np.empty((len(self.unit), many), order="F")
+        white = self.unit.whitened(np.concatenate(list(new.values()), axis=1, out=wide))
+        kept, at = Kept(self.b.T @ white, self.z.T @ white, white.T @ self.y), 0
+        for number, own in new.items():
+            here = slice(at, at := at + own.shape[1])
+            self.of[number] = white[:, here]
+            if aside:
+                self._aside[number] = Kept(kept.bd[:, here], kept.zd[:, here], kept.dy[here])
+            else:
+                begin = len(self.dy)
+                self.where[number] = slice(begin + here.start, begin + here.stop)
+        if not aside:
             self.columns = np.concatenate(numbers)
-            wide = np.empty((len(self.unit), at - len(self.dy)), order="F")
-            self._put(list(new), np.concatenate(list(new.values()), axis=1, out=wide))
+            self._pieces.append(white)
+            self._bd.add(kept.bd)
+            self._zd.add(kept.zd)
+            self.dy = np.concatenate([self.dy, kept.dy])
 
-    def _put(self, numbers: list[int], raw: np.ndarray) -> None:
-        new, begin = self.unit.whitened(raw), len(self.dy)
-        self._pieces.append(new)
-        for k in numbers:
-            self.of[k] = new[:, self.where[k].start - begin : self.where[k].stop - begin]
-        self._bd.add(self.b.T @ new)
-        self._zd.add(self.z.T @ new)
-        self.dy = np.concatenate([self.dy, new.T @ self.y])
+    def kept(self, shown: tuple[int, ...]) -> Kept:
+        """What is known of the columns of blocks, one behind the other."""
+        found = [
+            self._aside.get(k) or Kept(self.bd[:, at], self.zd[:, at], self.dy[at])
+            for k, at in ((k, self.where.get(k, slice(0))) for k in shown)
+        ]
+        none = Kept(self.bd[:, :0], self.zd[:, :0], self.dy[:0])
+        bd, zd, dy = zip(none, *found, strict=True)
+        return Kept(np.concatenate(bd, axis=1), np.concatenate(zd, axis=1), np.concatenate(dy))
 
     def at(self, shown: tuple[int, ...]) -> np.ndarray:
         """Where the columns of blocks stand."""
@@ -121,15 +148,25 @@ class Dictionary:
 
     def crossed(self, k: int) -> np.ndarray:
         """(w, K) products of a block's columns with all of the dictionary that show here."""
-        known = self._crossed.get(k, np.zeros((len(self.which[k]), 0)))
+        known = self._crossed.pop(k, np.zeros((len(self.which[k]), 0)))
         new, at = [known], 0
         for piece in self._pieces:
             if at >= known.shape[1]:  # a piece is known as a whole, or not at all
                 new.append(self.of[k].T @ piece)
             at += piece.shape[1]
-        if len(new) > 1:
-            known = self._crossed[k] = np.concatenate(new, axis=1)
+        self._crossed[k] = known = np.concatenate(new, axis=1) if len(new) > 1 else known
+        if len(self._aside) > RECENT and k in self._aside:
+            old = [c for c in self._crossed if c in self._aside][:-RECENT]
+            for c in old:
+                del self._crossed[c]
         return known
+
+    def _crossed_with(self, k: int, showing: tuple[int, ...], at: np.ndarray) -> np.ndarray:
+        """(w, S) products of a block's columns with those of some blocks, which stand at (S,)."""
+        known = self._crossed.get(k)
+        if known is not None and known.shape[1] > at.max():
+            return known[:, at]
+        return np.concatenate([self.of[k].T @ self.of[c] for c in showing], axis=1)
 
     def along(self, white: np.ndarray) -> np.ndarray:
         """(K, R) products of all columns with so many (n, R), whitened."""
@@ -166,7 +203,8 @@ class Dictionary:
         at = self.at(showing)
         if numbers not in self._within:
             self._within[numbers] = self.within(showing)
-        shared = np.concatenate([self.zd[:, at], *(self.crossed(c)[:, at] for c in shown)])
+        crossed = [self._crossed_with(c, showing, at) for c in shown]
+        shared = np.concatenate([self.zd[:, at], *crossed])
         own, many = self.b.shape[1], sum(width)
         empty = [np.zeros((n, many)) for n in (own, len(shared), many)]
         result = Products(empty[0], empty[1], empty[2], np.zeros(many))

@@ -90,10 +90,11 @@ class Evidence:
             if train[u.rows].any()
         ]
         self.blocks: list[Block] = []
-        self.fixed: set[int] = set()  # blocks whose size is stated
-        self.first: list[int] = []
+        self.fixed: set[int] = set()  # blocks whose size is stated: of no use as further members
+        self.first: list[int] = []  # columns of the others, -1 of those
         self.width = 0
         self.slab = np.zeros(0)
+        self._slab: list[np.ndarray] = []  # of each block
         self.pairs = np.zeros((2, 0), int)  # columns of one block
 
     # -- the dictionary ----------------------------------------------------------------------------
@@ -105,33 +106,29 @@ class Evidence:
         if not blocks:
             return []
         begin, before = len(self.blocks), self.pairs.shape[1]
-        for b in blocks:
-            self.first.append(self.width)
-            self.width += b.width
         self.blocks = [*self.blocks, *blocks]
         numbers = list(range(begin, len(self.blocks)))
-        peak = [b.largest for b in blocks]
-        self.slab = np.concatenate(
-            [self.slab, *(np.full(len(p), sd) if sd else SLAB / p for p in peak)]
-        )
-        self.fixed |= set(numbers) if sd else set()
+        self._slab += [np.full(b.width, sd) if sd else SLAB / b.largest for b in blocks]
+        for b in blocks:
+            self.first.append(-1 if sd else self.width)
+            self.width += 0 if sd else b.width
         for part in self.parts:
             part.dictionary.add([(k, self.first[k], self.blocks[k].columns) for k in numbers])
         for block in blocks:
             block.let_go()
+        if sd:
+            self.fixed |= set(numbers)
+            return numbers
+        self.slab = np.concatenate([self.slab, *self._slab[begin:]])
         pairs = [np.stack(np.triu_indices(self.blocks[k].width)) + self.first[k] for k in numbers]
         self.pairs = np.concatenate([self.pairs, *pairs], axis=1)
         for part in self.parts:
             part.dictionary.index(numbers, self.pairs[:, before:], before)
         return numbers
 
-    def columns_of(self, chosen: tuple[int, ...]) -> np.ndarray:
-        """Numbers of the columns of blocks."""
-        if not chosen:
-            return np.zeros(0, int)
-        return np.concatenate(
-            [np.arange(self.first[k], self.first[k] + self.blocks[k].width) for k in chosen]
-        )
+    def slab_of(self, chosen: tuple[int, ...]) -> np.ndarray:
+        """(w,) usual standard deviations of the coefficients of blocks."""
+        return np.concatenate([np.zeros(0), *(self._slab[k] for k in chosen)])
 
     # -- a set of blocks ---------------------------------------------------------------------------
 
@@ -151,7 +148,7 @@ class Evidence:
         want of the exact form of what is explained; afresh: the others begin at what is usual, not
         at what was learned before."""
         least = np.full(len(self.parts), QUIETEST) if least is None else least
-        shown = [tuple(c for c in chosen if c in p.dictionary.where) for p in self.parts]
+        shown = [tuple(c for c in chosen if c in p.dictionary.which) for p in self.parts]
         kinds = [frozenset(kind for u, kind in on if u == k) for k in range(len(self.parts))]
         shared = self.shared_usual if like is None else like.shared
         bare = like or (self.learn((), None, on, 0, least) if chosen else None)
@@ -190,7 +187,7 @@ class Evidence:
         tried, not below the usual. Noise learned without a large effect holds on to it."""
         if k in like.scale or k in self.fixed:
             return float(like.scale.get(k, 1.0))
-        return likeliest_size(*self.among(like, (k,)), self.slab[self.columns_of((k,))])
+        return likeliest_size(*self.among(like, (k,)), self.slab_of((k,)))
 
     def _layout(self, chosen: tuple[int, ...], parts: list[Reduced]) -> Layout:
         width = np.array([self.blocks[k].width for k in chosen], int)
@@ -199,7 +196,7 @@ class Evidence:
             slice(None) if len(old.along) == whole else self.shared_at(k, chosen)
             for k, old in enumerate(parts)
         ]
-        slab, of = self.slab[self.columns_of(chosen)], np.repeat(np.arange(len(chosen)), width)
+        slab, of = self.slab_of(chosen), np.repeat(np.arange(len(chosen)), width)
         return Layout(chosen, slab, of, width, at)
 
     def shared_at(self, k: int, chosen: tuple[int, ...]) -> np.ndarray:
@@ -276,8 +273,8 @@ class Evidence:
 
     def scan(self, fit: Fit, draws: np.ndarray | None = None) -> Any:
         """Every block beside a fitted set, its sizes as they are. (B,) twice the logarithm of the
-        Bayes factor, (K,) coefficients and their standard deviations. With draws (N, R) of readings
-        instead: (B, R), None, None."""
+        Bayes factor, -inf of those whose size is stated; (K,) coefficients of the others and their
+        standard deviations. With draws (N, R) of readings instead: (B, R), None, None."""
         many = 1 if draws is None else draws.shape[1]
         f = len(fit.mean)
         fy, fd = np.zeros((f, many)), np.zeros((f, self.width))
@@ -303,8 +300,10 @@ class Evidence:
             half_d, half_y = solved(fit.root, fd), solved(fit.root, fy)
             dy -= half_d.T @ half_y
             dd -= np.einsum("fp,fp->p", half_d[:, self.pairs[0]], half_d[:, self.pairs[1]])
-        widths = np.array([b.width for b in self.blocks], int)
-        scores, coefficients, spread = factors(widths, self.slab, dy, dd)
+        tried = [k for k in range(len(self.blocks)) if k not in self.fixed]
+        widths = np.array([self.blocks[k].width for k in tried], int)
+        scores = np.full((len(self.blocks), many), -np.inf)
+        scores[tried], coefficients, spread = factors(widths, self.slab, dy, dd)
         return (scores[:, 0], coefficients, spread) if draws is None else (scores, None, None)
 
     def beside(self, fit: Fit, columns: np.ndarray, but: int = -1) -> tuple[np.ndarray, np.ndarray]:

@@ -150,17 +150,14 @@ class Part:
     def asked(self, shown: tuple[int, ...], kinds: frozenset[str]) -> Asked:
         """The products of a set; shown: blocks that show in this unit; kinds: of its processes."""
         own, words = self.counted(kinds), self.dictionary
-        use, at, z = own.use, words.at(shown), len(self.zy)
-        right = np.empty((len(use), z + len(at) + 1), order="F")
-        right[:, :z], right[:, z:-1], right[:, -1] = (
-            self.bz[use],
-            words.bd[:, at][use],
-            self.by[use],
-        )
-        ff = np.empty((z + len(at), z + len(at)))
-        ff[:z, :z], ff[:z, z:], ff[z:, z:] = self.zz, words.zd[:, at], words.within(shown)
+        use, z, kept = own.use, len(self.zy), words.kept(shown)
+        f = z + len(kept.dy)
+        right = np.empty((len(use), f + 1), order="F")
+        right[:, :z], right[:, z:-1], right[:, -1] = self.bz[use], kept.bd[use], self.by[use]
+        ff = np.empty((f, f))
+        ff[:z, :z], ff[:z, z:], ff[z:, z:] = self.zz, kept.zd, words.within(shown)
         ff[z:, :z] = ff[:z, z:].T
-        return Asked(shown, own, right, ff, np.concatenate([self.zy, words.dy[at]]))
+        return Asked(shown, own, right, ff, np.concatenate([self.zy, kept.dy]))
 
     def reduced(self, asked: Asked, sigma2: float, sd: np.ndarray) -> Reduced:
         """The unit with its own columns taken out, at these sizes."""
