@@ -201,8 +201,8 @@ class Evidence:
 
     def shared_at(self, k: int, chosen: tuple[int, ...]) -> np.ndarray:
         """Where the shared columns that show in a unit stand among all shared ones."""
-        z, which = self.shared.shape[1], self.parts[k].dictionary.which
-        found, at = [np.arange(z)], z
+        which, at = self.parts[k].dictionary.which, self.shared.shape[1]
+        found = [self.parts[k].shows]
         for c in chosen:
             if c in which:
                 found.append(at + which[c])

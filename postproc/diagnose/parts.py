@@ -120,7 +120,9 @@ class Part:
             replace(g, columns=b[:, i:j]) for g, (i, j) in zip(groups, pairwise(edges), strict=True)
         ]
         self.b = unit.whitened(b if use.all() else b[use])
-        self.z = unit.whitened(shared[unit.rows])
+        mine = shared[unit.rows]
+        self.shows = np.flatnonzero(mine.any(axis=0))  # of the shared columns
+        self.z = unit.whitened(mine[:, self.shows])
         self.y = unit.whitened(y[unit.rows])
         self.bb, self.by = self.b.T @ self.b, self.b.T @ self.y
         self.bz, self.zz, self.zy = self.b.T @ self.z, self.z.T @ self.z, self.z.T @ self.y
