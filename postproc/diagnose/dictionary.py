@@ -101,10 +101,10 @@ class Dictionary:
         column, -1 beside the dictionary, and its columns (N, K) of all rows."""
         new, numbers, aside = {}, [self.columns], False
         for number, first, columns in blocks:
-            own = columns[self.unit.rows]
-            shows = np.flatnonzero(own.any(axis=0))
+            own = np.take(columns.T, self.unit.rows, axis=1)
+            shows = np.flatnonzero(own.any(axis=1))
             if len(shows):
-                self.which[number], new[number], aside = shows, own[:, shows], first < 0
+                self.which[number], new[number], aside = shows, own[shows].T, first < 0
                 numbers.append(first + shows)
         if not new:
             return

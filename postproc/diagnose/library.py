@@ -111,7 +111,13 @@ def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> 
         there = second_place(rows, part)
         value = value.copy()
         value[:, :, part] -= module.columns(there, axis, **shape)
-    return np.where(seen[:, None], np.einsum("kin,ni->nk", value, rows.direction), 0.0)
+    result = np.zeros((len(value), len(rows)))  # a column in one piece of the memory
+    for along, own in enumerate(rows.direction.T):
+        if own.any() and value[:, along].any():
+            result += value[:, along] * own
+    if not seen.all():
+        result[:, ~seen] = 0.0
+    return result.T
 
 
 def _read_along(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
@@ -120,9 +126,9 @@ def _read_along(rows: Rows, module: ModuleType, axis: str, shape: dict[str, floa
     own, state = rows.along(axis)
     number = XYZ.index(axis)
     value = module.columns(state, axis, **shape)[:, number] * rows.direction[own, number]
-    result = np.zeros((len(rows), len(value)))
-    result[own] = np.where(visible(rows, module)[own], value, 0.0).T
-    return result
+    result = np.zeros((len(value), len(rows)))
+    result[:, own] = np.where(visible(rows, module)[own], value, 0.0)
+    return result.T
 
 
 def axes_of(rows: Rows, module: ModuleType) -> list[str]:
