@@ -14,6 +14,7 @@ Sizes: N rows in all, n of a unit, q own columns, f shared columns, K columns of
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,7 @@ from postproc.diagnose.parts import (
     cholesky,
     inverted,
     solved,
+    solved_back,
     surprise,
 )
 
@@ -50,19 +52,24 @@ On = frozenset[tuple[int, str]]  # units that have a process of their own, and o
 @dataclass
 class Fit:
     """A set of blocks, fitted. value: twice the logarithm of the evidence, but for a constant; mean
-    (f,), covariance (f, f) of the shared coefficients, root (f, f): Cholesky factor (lower) of its
-    inverse; shared: learned standard deviations of the
+    (f,) of the shared coefficients, root (f, f): Cholesky factor (lower) of the inverse of their
+    covariance; shared: learned standard deviations of the
     map's groups; scale: of each block, what its usual size is multiplied by; parts: its units."""
 
     chosen: tuple[int, ...]
     on: On
     value: float
     mean: np.ndarray
-    covariance: np.ndarray
     root: np.ndarray
     shared: np.ndarray
     scale: dict[int, float]
     parts: list[Reduced]
+
+    @cached_property
+    def covariance(self) -> np.ndarray:
+        """(f, f) of the shared coefficients."""
+        inverse = inverted(self.root)
+        return np.asarray(inverse.T @ inverse)
 
 
 class Evidence:
@@ -180,6 +187,7 @@ class Evidence:
             fit = self._joined(layout, on, shared, scale, parts, touched, kept)
         for k in touched:
             fit.parts[k].let_go()
+        fit.__dict__.pop("covariance", None)
         return fit
 
     def _first_scale(self, like: Fit, k: int) -> float:
@@ -238,14 +246,13 @@ class Evidence:
         a, b, value = a + kept[0], b + kept[1], value + kept[2]
         a[np.diag_indices(len(sd))] += 1.0 / sd**2
         root = cholesky(a)
-        inverse = inverted(root)
-        covariance = inverse.T @ inverse
-        mean = covariance @ b
-        value += float(b @ mean) - 2.0 * float(np.log(root.diagonal()).sum() + np.log(sd).sum())
+        half = solved(root, b[:, None])
+        value += float(np.sum(half**2)) - 2.0 * float(np.log(root.diagonal()).sum() + np.log(sd).sum())
         learned, free = self.shared_learned, [k not in self.fixed for k in chosen]
         value -= float(np.sum(surprise(shared[learned], self.shared_usual[learned])))
         value -= float(np.sum(surprise(now[np.array(free, bool)], 1.0)))
-        return Fit(chosen, on, value, mean, covariance, root, shared, scale, parts)
+        mean = solved_back(root, half)[:, 0]
+        return Fit(chosen, on, value, mean, root, shared, scale, parts)
 
     def _renewed_shared(self, fit: Fit) -> np.ndarray:
         new, of, learned = fit.shared.copy(), self.shared_of, self.shared_learned
@@ -282,6 +289,7 @@ class Evidence:
         for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
             s2 = old.sigma2
             at = self.shared_at(k, fit.chosen)
+            part.looked_at(old)
             words, beside = part.dictionary, part.beside(old)
             y_f, y_d = old.along[:, None], beside.yd[:, None]
             if draws is not None:
@@ -336,6 +344,7 @@ class Evidence:
             fy[at] += old.along
             if x is None:
                 continue
+            self.parts[k].looked_at(old)
             hx = solved(old.root, x.own[old.use] / s2)
             fx[at] += x.shared / s2 - old.hf.T @ hx
             xx += x.within / s2 - hx.T @ hx

@@ -61,12 +61,14 @@ class Found:
 
 
 class Sets:
-    """The dictionary, and every set of it that was fitted: `seen`. cost: of each block as a
-    member."""
+    """The dictionary, and every set of it that was fitted: `seen`. cost: of each block as a member;
+    tried: by effect, axis and shape the last blocks that were tried beside it, None where they do
+    not show."""
 
     def __init__(self, rows: Rows, evidence: Evidence, blocks: Iterable[Block]):
         self.rows, self.evidence = rows, evidence
         self.cost = np.zeros(0)
+        self.tried: dict[tuple[str, object], Block | None] = {}
         self._number: dict[tuple[str, object], int] = {}  # of each name and shape
         rest = iter(blocks)
         while some := list(islice(rest, AT_ONCE)):
