@@ -13,6 +13,7 @@ Sizes: N rows in all, n of a unit, q own columns, f shared columns, K columns of
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -102,6 +103,7 @@ class Evidence:
         self.width = 0
         self.slab = np.zeros(0)
         self._slab: list[np.ndarray] = []  # of each block
+        self._again = deque[Block]()
         self.pairs = np.zeros((2, 0), int)  # columns of one block
 
     # -- the dictionary ----------------------------------------------------------------------------
@@ -120,9 +122,9 @@ class Evidence:
             self.first.append(-1 if sd else self.width)
             self.width += 0 if sd else b.width
         for part in self.parts:
-            part.dictionary.add([(k, self.first[k], self.blocks[k].columns) for k in numbers])
+            part.dictionary.add([(k, self.first[k], self.blocks[k]) for k in numbers])
         for block in blocks:
-            block.let_go()
+            block.let_go(self._again)
         if sd:
             self.fixed |= set(numbers)
             return numbers
@@ -247,7 +249,8 @@ class Evidence:
         a[np.diag_indices(len(sd))] += 1.0 / sd**2
         root = cholesky(a)
         half = solved(root, b[:, None])
-        value += float(np.sum(half**2)) - 2.0 * float(np.log(root.diagonal()).sum() + np.log(sd).sum())
+        value += float(np.sum(half**2))
+        value -= 2.0 * float(np.log(root.diagonal()).sum() + np.log(sd).sum())
         learned, free = self.shared_learned, [k not in self.fixed for k in chosen]
         value -= float(np.sum(surprise(shared[learned], self.shared_usual[learned])))
         value -= float(np.sum(surprise(now[np.array(free, bool)], 1.0)))
@@ -296,7 +299,7 @@ class Evidence:
                 white = part.unit.whitened(draws[part.unit.rows])
                 hy = solved(old.root, (part.b.T @ white)[old.use] / s2)
                 y_f = np.concatenate(
-                    [part.z.T @ white, *(words.of[c].T @ white for c in old.shown)]
+                    [part.z.T @ white, *(words.white(c).T @ white for c in old.shown)]
                 )
                 y_f = y_f / s2 - old.hf.T @ hy
                 y_d = words.along(white) / s2 - part.half(old).T @ hy
