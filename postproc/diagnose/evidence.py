@@ -14,7 +14,7 @@ Sizes: N rows in all, n of a unit, q own columns, f shared columns, K columns of
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -54,8 +54,9 @@ On = frozenset[tuple[int, str]]  # units that have a process of their own, and o
 class Fit:
     """A set of blocks, fitted. value: twice the logarithm of the evidence, but for a constant; mean
     (f,) of the shared coefficients, root (f, f): Cholesky factor (lower) of the inverse of their
-    covariance; shared: learned standard deviations of the
-    map's groups; scale: of each block, what its usual size is multiplied by; parts: its units."""
+    covariance; shared: learned standard deviations of the map's groups; scale: of each block, what
+    its usual size is multiplied by; parts: its units; likeliest: of other blocks, the likeliest
+    such factor of those tried."""
 
     chosen: tuple[int, ...]
     on: On
@@ -65,6 +66,7 @@ class Fit:
     shared: np.ndarray
     scale: dict[int, float]
     parts: list[Reduced]
+    likeliest: dict[int, float] = field(default_factory=dict)
 
     @cached_property
     def covariance(self) -> np.ndarray:
@@ -197,7 +199,9 @@ class Evidence:
         tried, not below the usual. Noise learned without a large effect holds on to it."""
         if k in like.scale or k in self.fixed:
             return float(like.scale.get(k, 1.0))
-        return likeliest_size(*self.among(like, (k,)), self.slab_of((k,)))
+        if k not in like.likeliest:
+            like.likeliest[k] = likeliest_size(*self.among(like, (k,)), self.slab_of((k,)))
+        return like.likeliest[k]
 
     def _layout(self, chosen: tuple[int, ...], parts: list[Reduced]) -> Layout:
         width = np.array([self.blocks[k].width for k in chosen], int)
@@ -310,7 +314,8 @@ class Evidence:
         if f:
             half_d, half_y = solved(fit.root, fd), solved(fit.root, fy)
             dy -= half_d.T @ half_y
-            dd -= np.einsum("fp,fp->p", half_d[:, self.pairs[0]], half_d[:, self.pairs[1]])
+            by_column = half_d.T
+            dd -= np.einsum("pf,pf->p", *(by_column[number] for number in self.pairs))
         tried = [k for k in range(len(self.blocks)) if k not in self.fixed]
         widths = np.array([self.blocks[k].width for k in tried], int)
         scores = np.full((len(self.blocks), many), -np.inf)
@@ -321,7 +326,9 @@ class Evidence:
         """(K, K) X'PX and (K,) X'Py of columns X (N, K) that are not in the dictionary: all else of
         the fit taken out, but for one of its members."""
         found = [
-            part.dictionary.products(columns[part.unit.rows], old.shown, old.use)
+            part.dictionary.products(
+                np.take(columns.T, part.unit.rows, axis=1).T, old.shown, old.use
+            )
             for part, old in zip(self.parts, fit.parts, strict=True)
         ]
         return self._beside(fit, found, columns.shape[1], but)

@@ -293,7 +293,7 @@ def harmonic_pairs(columns: np.ndarray) -> np.ndarray:
 def _harmonics(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
     """(N, K) mm: the columns of waves, as far as they show."""
     columns = read(rows, module, axis, shape)
-    return columns[:, harmonic_pairs(columns)] if columns.shape[1] > 1 else columns
+    return columns.T[harmonic_pairs(columns)].T if columns.shape[1] > 1 else columns
 
 
 def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:

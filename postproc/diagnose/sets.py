@@ -306,7 +306,7 @@ def _terms(rows: Rows, block: Block, value: np.ndarray) -> np.ndarray:
         if x in state.since:
             since = np.where(state.passage >= 0, state.since[x], np.inf)
             terms += [BUILT_UP * part * np.exp(-since / tau) for tau in AFTER_TURN]
-    return np.stack([c for c in terms if np.abs(c).max() > 1e-9], axis=1)
+    return np.stack([c for c in terms if np.abs(c).max() > 1e-9]).T
 
 
 def _later(rows: Rows, part: np.ndarray) -> np.ndarray:
