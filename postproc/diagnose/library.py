@@ -121,8 +121,8 @@ def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> 
 
 
 def _read_along(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
-    """(N, K) mm: of an effect that is along its axis and of each row by itself, from the rows that
-    see that axis."""
+    """(N, K) mm: of an effect that is along its axis and of each signal by itself, from the rows
+    that see that axis."""
     own, state = rows.along(axis)
     number = XYZ.index(axis)
     value = module.columns(state, axis, **shape)[:, number] * rows.direction[own, number]
