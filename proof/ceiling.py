@@ -163,7 +163,7 @@ def _names(covariance: Covariance, table: rows.Rows) -> list[tuple[str, float]]:
     """Names and what the best block of each is worth, the best first."""
     sigma = np.full(len(table), SURE)
     blocks = list(library.blocks(table)) + library.found(table, table.residual / sigma**2, sigma)
-    sets: Any = SimpleNamespace(rows=table, blocks=blocks, evidence=covariance)
+    sets: Any = SimpleNamespace(rows=table, blocks=blocks, evidence=covariance, tried={})
     beside: Any = None  # the covariance asks for no fit
     sets.let_in = lambda block: sets.blocks.append(block) or len(sets.blocks) - 1
 

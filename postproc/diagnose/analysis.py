@@ -182,7 +182,7 @@ def _predicted(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarr
     chosen: list[int] = []
     for k in fit.chosen:
         if judge.predictable(whole.blocks[k]):
-            stated = float(whole.slab[whole.columns_of((k,))][0]) if k in whole.fixed else 0.0
+            stated = float(whole.slab_of((k,))[0]) if k in whole.fixed else 0.0
             chosen += rest.add([whole.blocks[k]], stated)
     said = shares(rest, rest.learn(tuple(chosen), None, on, STEPS))
     # zeros that know of no name

@@ -2,11 +2,13 @@
 
 Its columns are as long as all rows. A dictionary has a thousand and more of them, and what a search
 asks for most are products (dictionary.py), which keeps them instrument by instrument. So a block
-makes its columns when it is asked, and those of a dictionary let them go when they are in it.
+makes its columns when it is asked, and those of a dictionary let them go when they are in it; of
+those that make them again the last ones keep them.
 """
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,6 +17,7 @@ from types import ModuleType
 import numpy as np
 
 NOTHING = 1e-12  # mm
+KEPT = 64  # blocks that keep the columns that they made again
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,11 @@ class Block:
     @cached_property
     def columns(self) -> np.ndarray:
         """(N, K) mm; made anew after they were let go."""
+        again: deque[Block] | None = self.__dict__.get("again")
+        if again is not None:
+            again.append(self)
+            if len(again) > KEPT:
+                again.popleft().__dict__.pop("columns", None)
         return self.make()
 
     def having(self, columns: np.ndarray) -> Block:
@@ -40,10 +48,12 @@ class Block:
         self.__dict__["columns"] = columns
         return self
 
-    def let_go(self) -> None:
-        """Forget the columns, but not how many they are, where they show and how large."""
+    def let_go(self, again: deque[Block]) -> None:
+        """Forget the columns, but not how many they are, where they show and how large. again: the
+        last blocks that made them again."""
         _ = self.width, self.shown, self.largest
         self.__dict__.pop("columns", None)
+        self.__dict__["again"] = again
 
     @cached_property
     def width(self) -> int:

@@ -7,9 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from postproc.diagnose.block import Block
 from postproc.diagnose.noise import Unit
 
 ROOM = 1.5  # times what is there: so that few of the columns that come later ask for a copy of all
+RECENT = 32  # members beside the dictionary that are kept whitened, and multiplied with all of it
 
 
 class Pairs(NamedTuple):
@@ -30,6 +32,15 @@ class Products(NamedTuple):
     shared: np.ndarray
     within: np.ndarray
     along: np.ndarray
+
+
+class Kept(NamedTuple):
+    """Of columns (n, K), whitened: bd (q, K), zd (f, K), dy (K,) products with a unit's own, with
+    those that it shares, and with its readings."""
+
+    bd: np.ndarray
+    zd: np.ndarray
+    dy: np.ndarray
 
 
 class Growing:
@@ -57,24 +68,36 @@ class Growing:
         self._room[:, begin : self._used] = columns
 
 
+def _last(known: dict[int, np.ndarray], k: int, value: np.ndarray) -> np.ndarray:
+    """The value, which is kept as the last one; the first ones of many are forgotten."""
+    known.pop(k, None)
+    known[k] = value
+    if len(known) > RECENT:
+        del known[next(iter(known))]
+    return value
+
+
 class Dictionary:
     """Columns of blocks that show in a unit; what is zero in all of its readings is not kept. b (n,
     q), z (n, f), y (n,): its own columns, those that it shares, and its readings, whitened. columns
-    (K,): numbers of the columns that show; of: of a block those (n, w), whitened; which (w,): of
-    all of the block's they are; where: of all here; bd (q, K), zd (f, K), dy (K,): products with b,
-    z and y."""
+    (K,): numbers of the columns that show; which (w,): those of all of a block's that show; where:
+    of all here; bd (q, K), zd (f, K), dy (K,): products with b, z and y. Blocks beside it may be
+    members of a set, and are not looked at for others."""
 
     def __init__(self, unit: Unit, b: np.ndarray, z: np.ndarray, y: np.ndarray):
         self.unit, self.b, self.z, self.y = unit, b, z, y
         self.columns = np.zeros(0, int)
-        self.of: dict[int, np.ndarray] = {}
+        self._of: dict[int, np.ndarray] = {}
         self.which: dict[int, np.ndarray] = {}
         self.where: dict[int, slice] = {}
         self.dy = np.zeros(0)
         self.pairs = Pairs(*(np.zeros(0, int),) * 3, np.zeros(0))
         self._pieces: list[np.ndarray] = []  # (n, any) of some blocks each, never moved
         self._bd, self._zd = Growing(b.shape[1]), Growing(z.shape[1])
+        self._aside: dict[int, tuple[Block, Kept]] = {}
+        self._white: dict[int, np.ndarray] = {}  # of those the last ones, the last one last
         self._crossed: dict[int, np.ndarray] = {}
+        self._crossed_aside: dict[int, np.ndarray] = {}
         self._within: dict[tuple[int, ...], np.ndarray] = {}
 
     @property
@@ -85,30 +108,63 @@ class Dictionary:
     def zd(self) -> np.ndarray:
         return self._zd.now
 
-    def add(self, blocks: list[tuple[int, int, np.ndarray]]) -> None:
-        """Those of some blocks that show in this unit: of each its number, that of its first
-        column, and its columns (N, K) of all rows."""
-        at, new, numbers = len(self.columns), {}, [self.columns]
-        for number, first, columns in blocks:
-            own = columns[self.unit.rows]
-            shows = np.flatnonzero(own.any(axis=0))
+    def add(self, blocks: list[tuple[int, int, Block]]) -> None:
+        """Those of some blocks that show in this unit: of each its number, and that of its first
+        column, -1 beside the dictionary."""
+        new, numbers = {}, [self.columns]
+        for number, first, block in blocks:
+            own = np.take(block.columns.T, self.unit.rows, axis=1)
+            shows = np.flatnonzero(own.any(axis=1))
             if len(shows):
-                self.which[number], self.where[number] = shows, slice(at, at := at + len(shows))
+                self.which[number], new[number] = shows, (own[shows].T, first < 0, block)
                 numbers.append(first + shows)
-                new[number] = own[:, shows]
-        if new:
+        if not new:
+            return
+        many = sum(own.shape[1] for own, _, _ in new.values())
+        wide = np.empty((len(self.unit), many), order="F")
+        np.concatenate([own for own, _, _ in new.values()], axis=1, out=wide)
+        white, at = self.unit.whitened(wide), 0
+        kept = Kept(self.b.T @ white, self.z.T @ white, white.T @ self.y)
+        for number, (own, aside, block) in new.items():
+            here = slice(at, at := at + own.shape[1])
+            if aside:
+                mine = Kept(kept.bd[:, here], kept.zd[:, here], kept.dy[here])
+                self._aside[number] = block, mine
+                _last(self._white, number, white[:, here])
+            else:
+                begin = len(self.dy)
+                self._of[number] = white[:, here]
+                self.where[number] = slice(begin + here.start, begin + here.stop)
+        if not aside:
             self.columns = np.concatenate(numbers)
-            wide = np.empty((len(self.unit), at - len(self.dy)), order="F")
-            self._put(list(new), np.concatenate(list(new.values()), axis=1, out=wide))
+            self._pieces.append(white)
+            self._bd.add(kept.bd)
+            self._zd.add(kept.zd)
+            self.dy = np.concatenate([self.dy, kept.dy])
 
-    def _put(self, numbers: list[int], raw: np.ndarray) -> None:
-        new, begin = self.unit.whitened(raw), len(self.dy)
-        self._pieces.append(new)
-        for k in numbers:
-            self.of[k] = new[:, self.where[k].start - begin : self.where[k].stop - begin]
-        self._bd.add(self.b.T @ new)
-        self._zd.add(self.z.T @ new)
-        self.dy = np.concatenate([self.dy, new.T @ self.y])
+    def white(self, k: int) -> np.ndarray:
+        """(n, w) columns of a block, whitened; beside the dictionary made again where they were
+        forgotten."""
+        if k in self._of:
+            return self._of[k]
+        white = self._white.get(k)
+        if white is None:
+            own = np.take(self._aside[k][0].columns.T, self.unit.rows, axis=1)
+            white = self.unit.whitened(own[self.which[k]].T)
+        return _last(self._white, k, white)
+
+    def kept(self, shown: tuple[int, ...]) -> Kept:
+        """What is known of the columns of blocks, one behind the other."""
+        found = [Kept(self.bd[:, :0], self.zd[:, :0], self.dy[:0])]
+        for k in shown:
+            at = self.where.get(k)
+            found.append(
+                self._aside[k][1]
+                if at is None
+                else Kept(self.bd[:, at], self.zd[:, at], self.dy[at])
+            )
+        bd, zd, dy = zip(*found, strict=True)
+        return Kept(np.concatenate(bd, axis=1), np.concatenate(zd, axis=1), np.concatenate(dy))
 
     def at(self, shown: tuple[int, ...]) -> np.ndarray:
         """Where the columns of blocks stand."""
@@ -121,15 +177,25 @@ class Dictionary:
 
     def crossed(self, k: int) -> np.ndarray:
         """(w, K) products of a block's columns with all of the dictionary that show here."""
-        known = self._crossed.get(k, np.zeros((len(self.which[k]), 0)))
+        crossed = self._crossed_aside if k in self._aside else self._crossed
+        known = crossed.get(k, np.zeros((len(self.which[k]), 0)))
         new, at = [known], 0
         for piece in self._pieces:
             if at >= known.shape[1]:  # a piece is known as a whole, or not at all
-                new.append(self.of[k].T @ piece)
+                new.append(self.white(k).T @ piece)
             at += piece.shape[1]
-        if len(new) > 1:
-            known = self._crossed[k] = np.concatenate(new, axis=1)
+        known = np.concatenate(new, axis=1) if len(new) > 1 else known
+        if k in self._aside:
+            return _last(self._crossed_aside, k, known)
+        self._crossed[k] = known
         return known
+
+    def _crossed_with(self, k: int, showing: tuple[int, ...], at: np.ndarray) -> np.ndarray:
+        """(w, S) products of a block's columns with those of some blocks, which stand at (S,)."""
+        known = (self._crossed_aside if k in self._aside else self._crossed).get(k)
+        if known is not None and known.shape[1] > at.max():
+            return known[:, at]
+        return np.concatenate([self.white(k).T @ self.white(c) for c in showing], axis=1)
 
     def along(self, white: np.ndarray) -> np.ndarray:
         """(K, R) products of all columns with so many (n, R), whitened."""
@@ -138,7 +204,7 @@ class Dictionary:
 
     def within(self, shown: tuple[int, ...]) -> np.ndarray:
         """(K, K) products of the columns of blocks with each other."""
-        own = np.concatenate([np.zeros((0, len(self.y))), *(self.of[k].T for k in shown)])
+        own = np.concatenate([np.zeros((0, len(self.y))), *(self.white(k).T for k in shown)])
         return np.asarray(own @ own.T)
 
     def products(self, raw: np.ndarray, shown: tuple[int, ...], use: np.ndarray) -> Products | None:
@@ -147,7 +213,7 @@ class Dictionary:
         if not raw.any():
             return None
         x = self.unit.whitened(raw)
-        shared = [self.z.T @ x, *(self.of[c].T @ x for c in shown)]
+        shared = [self.z.T @ x, *(self.white(c).T @ x for c in shown)]
         own, last = np.zeros((self.b.shape[1], x.shape[1])), int(use.max(initial=-1)) + 1
         own[:last] = self.b[:, :last].T @ x
         return Products(own, np.concatenate(shared), x.T @ x, x.T @ self.y)
@@ -166,7 +232,8 @@ class Dictionary:
         at = self.at(showing)
         if numbers not in self._within:
             self._within[numbers] = self.within(showing)
-        shared = np.concatenate([self.zd[:, at], *(self.crossed(c)[:, at] for c in shown)])
+        crossed = [self._crossed_with(c, showing, at) for c in shown]
+        shared = np.concatenate([self.zd[:, at], *crossed])
         own, many = self.b.shape[1], sum(width)
         empty = [np.zeros((n, many)) for n in (own, len(shared), many)]
         result = Products(empty[0], empty[1], empty[2], np.zeros(many))
@@ -182,7 +249,7 @@ class Dictionary:
         at = np.full(int(pairs.max()) + 1, -1)
         at[self.columns] = np.arange(len(self.columns))
         here = np.flatnonzero((at[pairs] >= 0).all(axis=0))
-        own = [self.of[k] for k in numbers if k in self.of]
+        own = [self._of[k] for k in numbers if k in self._of]
         products = [
             d[:, i] @ d[:, j]
             for d in own

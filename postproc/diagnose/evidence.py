@@ -13,7 +13,9 @@ Sizes: N rows in all, n of a unit, q own columns, f shared columns, K columns of
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import deque
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -31,6 +33,7 @@ from postproc.diagnose.parts import (
     cholesky,
     inverted,
     solved,
+    solved_back,
     surprise,
 )
 
@@ -50,19 +53,26 @@ On = frozenset[tuple[int, str]]  # units that have a process of their own, and o
 @dataclass
 class Fit:
     """A set of blocks, fitted. value: twice the logarithm of the evidence, but for a constant; mean
-    (f,), covariance (f, f) of the shared coefficients, root (f, f): Cholesky factor (lower) of its
-    inverse; shared: learned standard deviations of the
-    map's groups; scale: of each block, what its usual size is multiplied by; parts: its units."""
+    (f,) of the shared coefficients, root (f, f): Cholesky factor (lower) of the inverse of their
+    covariance; shared: learned standard deviations of the map's groups; scale: of each block, what
+    its usual size is multiplied by; parts: its units; likeliest: of other blocks, the likeliest
+    such factor of those tried."""
 
     chosen: tuple[int, ...]
     on: On
     value: float
     mean: np.ndarray
-    covariance: np.ndarray
     root: np.ndarray
     shared: np.ndarray
     scale: dict[int, float]
     parts: list[Reduced]
+    likeliest: dict[int, float] = field(default_factory=dict)
+
+    @cached_property
+    def covariance(self) -> np.ndarray:
+        """(f, f) of the shared coefficients."""
+        inverse = inverted(self.root)
+        return np.asarray(inverse.T @ inverse)
 
 
 class Evidence:
@@ -90,10 +100,12 @@ class Evidence:
             if train[u.rows].any()
         ]
         self.blocks: list[Block] = []
-        self.fixed: set[int] = set()  # blocks whose size is stated
-        self.first: list[int] = []
+        self.fixed: set[int] = set()  # blocks whose size is stated: of no use as further members
+        self.first: list[int] = []  # columns of the others, -1 of those
         self.width = 0
         self.slab = np.zeros(0)
+        self._slab: list[np.ndarray] = []  # of each block
+        self._again = deque[Block]()
         self.pairs = np.zeros((2, 0), int)  # columns of one block
 
     # -- the dictionary ----------------------------------------------------------------------------
@@ -105,33 +117,29 @@ class Evidence:
         if not blocks:
             return []
         begin, before = len(self.blocks), self.pairs.shape[1]
-        for b in blocks:
-            self.first.append(self.width)
-            self.width += b.width
         self.blocks = [*self.blocks, *blocks]
         numbers = list(range(begin, len(self.blocks)))
-        peak = [b.largest for b in blocks]
-        self.slab = np.concatenate(
-            [self.slab, *(np.full(len(p), sd) if sd else SLAB / p for p in peak)]
-        )
-        self.fixed |= set(numbers) if sd else set()
+        self._slab += [np.full(b.width, sd) if sd else SLAB / b.largest for b in blocks]
+        for b in blocks:
+            self.first.append(-1 if sd else self.width)
+            self.width += 0 if sd else b.width
         for part in self.parts:
-            part.dictionary.add([(k, self.first[k], self.blocks[k].columns) for k in numbers])
+            part.dictionary.add([(k, self.first[k], self.blocks[k]) for k in numbers])
         for block in blocks:
-            block.let_go()
+            block.let_go(self._again)
+        if sd:
+            self.fixed |= set(numbers)
+            return numbers
+        self.slab = np.concatenate([self.slab, *self._slab[begin:]])
         pairs = [np.stack(np.triu_indices(self.blocks[k].width)) + self.first[k] for k in numbers]
         self.pairs = np.concatenate([self.pairs, *pairs], axis=1)
         for part in self.parts:
             part.dictionary.index(numbers, self.pairs[:, before:], before)
         return numbers
 
-    def columns_of(self, chosen: tuple[int, ...]) -> np.ndarray:
-        """Numbers of the columns of blocks."""
-        if not chosen:
-            return np.zeros(0, int)
-        return np.concatenate(
-            [np.arange(self.first[k], self.first[k] + self.blocks[k].width) for k in chosen]
-        )
+    def slab_of(self, chosen: tuple[int, ...]) -> np.ndarray:
+        """(w,) usual standard deviations of the coefficients of blocks."""
+        return np.concatenate([np.zeros(0), *(self._slab[k] for k in chosen)])
 
     # -- a set of blocks ---------------------------------------------------------------------------
 
@@ -151,7 +159,7 @@ class Evidence:
         want of the exact form of what is explained; afresh: the others begin at what is usual, not
         at what was learned before."""
         least = np.full(len(self.parts), QUIETEST) if least is None else least
-        shown = [tuple(c for c in chosen if c in p.dictionary.where) for p in self.parts]
+        shown = [tuple(c for c in chosen if c in p.dictionary.which) for p in self.parts]
         kinds = [frozenset(kind for u, kind in on if u == k) for k in range(len(self.parts))]
         shared = self.shared_usual if like is None else like.shared
         bare = like or (self.learn((), None, on, 0, least) if chosen else None)
@@ -183,6 +191,7 @@ class Evidence:
             fit = self._joined(layout, on, shared, scale, parts, touched, kept)
         for k in touched:
             fit.parts[k].let_go()
+        fit.__dict__.pop("covariance", None)
         return fit
 
     def _first_scale(self, like: Fit, k: int) -> float:
@@ -190,7 +199,9 @@ class Evidence:
         tried, not below the usual. Noise learned without a large effect holds on to it."""
         if k in like.scale or k in self.fixed:
             return float(like.scale.get(k, 1.0))
-        return likeliest_size(*self.among(like, (k,)), self.slab[self.columns_of((k,))])
+        if k not in like.likeliest:
+            like.likeliest[k] = likeliest_size(*self.among(like, (k,)), self.slab_of((k,)))
+        return like.likeliest[k]
 
     def _layout(self, chosen: tuple[int, ...], parts: list[Reduced]) -> Layout:
         width = np.array([self.blocks[k].width for k in chosen], int)
@@ -199,13 +210,13 @@ class Evidence:
             slice(None) if len(old.along) == whole else self.shared_at(k, chosen)
             for k, old in enumerate(parts)
         ]
-        slab, of = self.slab[self.columns_of(chosen)], np.repeat(np.arange(len(chosen)), width)
+        slab, of = self.slab_of(chosen), np.repeat(np.arange(len(chosen)), width)
         return Layout(chosen, slab, of, width, at)
 
     def shared_at(self, k: int, chosen: tuple[int, ...]) -> np.ndarray:
         """Where the shared columns that show in a unit stand among all shared ones."""
-        z, which = self.shared.shape[1], self.parts[k].dictionary.which
-        found, at = [np.arange(z)], z
+        which, at = self.parts[k].dictionary.which, self.shared.shape[1]
+        found = [self.parts[k].shows]
         for c in chosen:
             if c in which:
                 found.append(at + which[c])
@@ -241,14 +252,14 @@ class Evidence:
         a, b, value = a + kept[0], b + kept[1], value + kept[2]
         a[np.diag_indices(len(sd))] += 1.0 / sd**2
         root = cholesky(a)
-        inverse = inverted(root)
-        covariance = inverse.T @ inverse
-        mean = covariance @ b
-        value += float(b @ mean) - 2.0 * float(np.log(root.diagonal()).sum() + np.log(sd).sum())
+        half = solved(root, b[:, None])
+        value += float(np.sum(half**2))
+        value -= 2.0 * float(np.log(root.diagonal()).sum() + np.log(sd).sum())
         learned, free = self.shared_learned, [k not in self.fixed for k in chosen]
         value -= float(np.sum(surprise(shared[learned], self.shared_usual[learned])))
         value -= float(np.sum(surprise(now[np.array(free, bool)], 1.0)))
-        return Fit(chosen, on, value, mean, covariance, root, shared, scale, parts)
+        mean = solved_back(root, half)[:, 0]
+        return Fit(chosen, on, value, mean, root, shared, scale, parts)
 
     def _renewed_shared(self, fit: Fit) -> np.ndarray:
         new, of, learned = fit.shared.copy(), self.shared_of, self.shared_learned
@@ -276,8 +287,8 @@ class Evidence:
 
     def scan(self, fit: Fit, draws: np.ndarray | None = None) -> Any:
         """Every block beside a fitted set, its sizes as they are. (B,) twice the logarithm of the
-        Bayes factor, (K,) coefficients and their standard deviations. With draws (N, R) of readings
-        instead: (B, R), None, None."""
+        Bayes factor, -inf of those whose size is stated; (K,) coefficients of the others and their
+        standard deviations. With draws (N, R) of readings instead: (B, R), None, None."""
         many = 1 if draws is None else draws.shape[1]
         f = len(fit.mean)
         fy, fd = np.zeros((f, many)), np.zeros((f, self.width))
@@ -285,13 +296,14 @@ class Evidence:
         for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
             s2 = old.sigma2
             at = self.shared_at(k, fit.chosen)
+            part.looked_at(old)
             words, beside = part.dictionary, part.beside(old)
             y_f, y_d = old.along[:, None], beside.yd[:, None]
             if draws is not None:
                 white = part.unit.whitened(draws[part.unit.rows])
                 hy = solved(old.root, (part.b.T @ white)[old.use] / s2)
                 y_f = np.concatenate(
-                    [part.z.T @ white, *(words.of[c].T @ white for c in old.shown)]
+                    [part.z.T @ white, *(words.white(c).T @ white for c in old.shown)]
                 )
                 y_f = y_f / s2 - old.hf.T @ hy
                 y_d = words.along(white) / s2 - part.half(old).T @ hy
@@ -302,16 +314,21 @@ class Evidence:
         if f:
             half_d, half_y = solved(fit.root, fd), solved(fit.root, fy)
             dy -= half_d.T @ half_y
-            dd -= np.einsum("fp,fp->p", half_d[:, self.pairs[0]], half_d[:, self.pairs[1]])
-        widths = np.array([b.width for b in self.blocks], int)
-        scores, coefficients, spread = factors(widths, self.slab, dy, dd)
+            by_column = half_d.T
+            dd -= np.einsum("pf,pf->p", *(by_column[number] for number in self.pairs))
+        tried = [k for k in range(len(self.blocks)) if k not in self.fixed]
+        widths = np.array([self.blocks[k].width for k in tried], int)
+        scores = np.full((len(self.blocks), many), -np.inf)
+        scores[tried], coefficients, spread = factors(widths, self.slab, dy, dd)
         return (scores[:, 0], coefficients, spread) if draws is None else (scores, None, None)
 
     def beside(self, fit: Fit, columns: np.ndarray, but: int = -1) -> tuple[np.ndarray, np.ndarray]:
         """(K, K) X'PX and (K,) X'Py of columns X (N, K) that are not in the dictionary: all else of
         the fit taken out, but for one of its members."""
         found = [
-            part.dictionary.products(columns[part.unit.rows], old.shown, old.use)
+            part.dictionary.products(
+                np.take(columns.T, part.unit.rows, axis=1).T, old.shown, old.use
+            )
             for part, old in zip(self.parts, fit.parts, strict=True)
         ]
         return self._beside(fit, found, columns.shape[1], but)
@@ -337,6 +354,7 @@ class Evidence:
             fy[at] += old.along
             if x is None:
                 continue
+            self.parts[k].looked_at(old)
             hx = solved(old.root, x.own[old.use] / s2)
             fx[at] += x.shared / s2 - old.hf.T @ hx
             xx += x.within / s2 - hx.T @ hx

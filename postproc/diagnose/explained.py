@@ -27,6 +27,7 @@ def shares(evidence: Evidence, fit: Fit) -> dict[str, np.ndarray]:
         at += w
     for k, (part, old) in enumerate(zip(evidence.parts, fit.parts, strict=True)):
         own, use = part.whole.rows, old.use
+        part.looked_at(old)
         mean = inverted(old.root).T @ (
             old.hy - old.hf @ fit.mean[evidence.shared_at(k, fit.chosen)]
         )

@@ -111,18 +111,24 @@ def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> 
         there = second_place(rows, part)
         value = value.copy()
         value[:, :, part] -= module.columns(there, axis, **shape)
-    return np.where(seen[:, None], np.einsum("kin,ni->nk", value, rows.direction), 0.0)
+    result = np.zeros((len(value), len(rows)))  # a column in one piece of the memory
+    for along, own in enumerate(rows.direction.T):
+        if own.any() and value[:, along].any():
+            result += value[:, along] * own
+    if not seen.all():
+        result[:, ~seen] = 0.0
+    return result.T
 
 
 def _read_along(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
-    """(N, K) mm: of an effect that is along its axis and of each row by itself, from the rows that
-    see that axis."""
+    """(N, K) mm: of an effect that is along its axis and of each signal by itself, from the rows
+    that see that axis."""
     own, state = rows.along(axis)
     number = XYZ.index(axis)
     value = module.columns(state, axis, **shape)[:, number] * rows.direction[own, number]
-    result = np.zeros((len(rows), len(value)))
-    result[own] = np.where(visible(rows, module)[own], value, 0.0).T
-    return result
+    result = np.zeros((len(value), len(rows)))
+    result[:, own] = np.where(visible(rows, module)[own], value, 0.0)
+    return result.T
 
 
 def axes_of(rows: Rows, module: ModuleType) -> list[str]:
@@ -287,7 +293,7 @@ def harmonic_pairs(columns: np.ndarray) -> np.ndarray:
 def _harmonics(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
     """(N, K) mm: the columns of waves, as far as they show."""
     columns = read(rows, module, axis, shape)
-    return columns[:, harmonic_pairs(columns)] if columns.shape[1] > 1 else columns
+    return columns.T[harmonic_pairs(columns)].T if columns.shape[1] > 1 else columns
 
 
 def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:

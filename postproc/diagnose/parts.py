@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
+from weakref import WeakValueDictionary
 
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dtrtri, dtrtrs
@@ -19,6 +20,7 @@ SURE = 1.0  # readings that a usual standard deviation counts as, when the readi
 MOST_WHITE = 6.0  # times the white noise that neighbours and repeats show: more is no noise
 LEAST = 1e-3  # of a usual standard deviation
 RECENT = 4  # sets whose products with the dictionary are kept: few are asked for later again
+WHOLE = 12  # sets whose factors are kept
 
 
 @dataclass(frozen=True)
@@ -55,14 +57,12 @@ class Asked:
 @dataclass(eq=False)  # one is not another: what is kept of it is found by itself
 class Reduced:
     """One unit with its own columns taken out. asked: of which set; sigma2 (1: as its white noise
-    was found), sd of each group; hf (q, f), hy (q,): root^-1 B'F/sigma2, of y; inside (f, f), along
-    (f,): F'C^-1F, F'C^-1y; value: its part of twice the log evidence."""
+    was found), sd of each group; inside (f, f), along (f,): F'C^-1F, F'C^-1y; value: its part of
+    twice the log evidence."""
 
     asked: Asked
     sigma2: float
     sd: np.ndarray
-    hf: np.ndarray
-    hy: np.ndarray
     inside: np.ndarray
     along: np.ndarray
     value: float
@@ -72,9 +72,23 @@ class Reduced:
         """(q, q): Cholesky factor of its own columns' precision."""
         return self.asked.own.root(self.sigma2, self.sd)
 
+    @cached_property
+    def half(self) -> np.ndarray:
+        """(q, f + 1): root^-1 B'F/sigma2, and of y."""
+        return solved(self.root, self.asked.right / self.sigma2)
+
+    @property
+    def hf(self) -> np.ndarray:
+        return self.half[:, :-1]
+
+    @property
+    def hy(self) -> np.ndarray:
+        return self.half[:, -1]
+
     def let_go(self) -> None:
-        """Forget the root: of most sets it is not asked again, and it is made in no time."""
-        self.__dict__.pop("root", None)
+        """Forget what is made again in no time: of most sets it is not asked again."""
+        for name in ("root", "half"):
+            self.__dict__.pop(name, None)
 
     @property
     def shown(self) -> tuple[int, ...]:
@@ -120,7 +134,9 @@ class Part:
             replace(g, columns=b[:, i:j]) for g, (i, j) in zip(groups, pairwise(edges), strict=True)
         ]
         self.b = unit.whitened(b if use.all() else b[use])
-        self.z = unit.whitened(shared[unit.rows])
+        mine = shared[unit.rows]
+        self.shows = np.flatnonzero(mine.any(axis=0))  # of the shared columns
+        self.z = unit.whitened(mine[:, self.shows])
         self.y = unit.whitened(y[unit.rows])
         self.bb, self.by = self.b.T @ self.b, self.b.T @ self.y
         self.bz, self.zz, self.zy = self.b.T @ self.z, self.z.T @ self.z, self.z.T @ self.y
@@ -133,6 +149,8 @@ class Part:
         self.usually = ~np.any(list(self.processes.values()), axis=0)
         self._counted: dict[frozenset[str], Counted] = {}
         self._beside: dict[Reduced, Beside] = {}  # the last ones, the last one last
+        self._whole: dict[Reduced, None] = {}  # those of which root and half are kept, as well
+        self._asked: WeakValueDictionary[tuple[object, ...], Asked] = WeakValueDictionary()
 
     def counted(self, kinds: frozenset[str]) -> Counted:
         """Its own columns with those of some kinds of processes."""
@@ -149,18 +167,21 @@ class Part:
 
     def asked(self, shown: tuple[int, ...], kinds: frozenset[str]) -> Asked:
         """The products of a set; shown: blocks that show in this unit; kinds: of its processes."""
+        known = self._asked.get((shown, kinds))
+        if known is None:
+            known = self._asked[shown, kinds] = self._products(shown, kinds)
+        return known
+
+    def _products(self, shown: tuple[int, ...], kinds: frozenset[str]) -> Asked:
         own, words = self.counted(kinds), self.dictionary
-        use, at, z = own.use, words.at(shown), len(self.zy)
-        right = np.empty((len(use), z + len(at) + 1), order="F")
-        right[:, :z], right[:, z:-1], right[:, -1] = (
-            self.bz[use],
-            words.bd[:, at][use],
-            self.by[use],
-        )
-        ff = np.empty((z + len(at), z + len(at)))
-        ff[:z, :z], ff[:z, z:], ff[z:, z:] = self.zz, words.zd[:, at], words.within(shown)
+        use, z, kept = own.use, len(self.zy), words.kept(shown)
+        f = z + len(kept.dy)
+        right = np.empty((len(use), f + 1), order="F")
+        right[:, :z], right[:, z:-1], right[:, -1] = self.bz[use], kept.bd[use], self.by[use]
+        ff = np.empty((f, f))
+        ff[:z, :z], ff[:z, z:], ff[z:, z:] = self.zz, kept.zd, words.within(shown)
         ff[z:, :z] = ff[:z, z:].T
-        return Asked(shown, own, right, ff, np.concatenate([self.zy, words.dy[at]]))
+        return Asked(shown, own, right, ff, np.concatenate([self.zy, kept.dy]))
 
     def reduced(self, asked: Asked, sigma2: float, sd: np.ndarray) -> Reduced:
         """The unit with its own columns taken out, at these sizes."""
@@ -175,9 +196,18 @@ class Part:
         ) + float(surprise(np.sqrt(sigma2), 1.0))
         value -= float(sigma2) * (2 / MOST_WHITE) ** 2
         inside, along = asked.ff / sigma2 - hf.T @ hf, asked.fy / sigma2 - hf.T @ hy
-        result = Reduced(asked, sigma2, sd, hf, hy, inside, along, value)
-        result.root = root
+        result = Reduced(asked, sigma2, sd, inside, along, value)
+        result.root, result.half = root, half
         return result
+
+    def looked_at(self, old: Reduced) -> None:
+        """Keep what is made of a unit as a set has it, and forget that of others."""
+        self._whole.pop(old, None)
+        self._whole[old] = None
+        if len(self._whole) > WHOLE:
+            first = next(iter(self._whole))
+            del self._whole[first]
+            first.let_go()
 
     def beside(self, old: Reduced) -> Beside:
         """All of the dictionary that shows here beside the unit as a set has it."""
@@ -259,6 +289,11 @@ def cholesky(m: np.ndarray) -> np.ndarray:
 
 def solved(root: np.ndarray, b: np.ndarray) -> np.ndarray:
     return dtrtrs(root, b, lower=1)[0] if len(root) and b.size else b
+
+
+def solved_back(root: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Of the transposed root."""
+    return dtrtrs(root, b, lower=1, trans=1)[0] if len(root) and b.size else b
 
 
 def inverted(root: np.ndarray) -> np.ndarray:

@@ -61,12 +61,14 @@ class Found:
 
 
 class Sets:
-    """The dictionary, and every set of it that was fitted: `seen`. cost: of each block as a
-    member."""
+    """The dictionary, and every set of it that was fitted: `seen`. cost: of each block as a member;
+    tried: by effect, axis and shape the last blocks that were tried beside it, None where they do
+    not show."""
 
     def __init__(self, rows: Rows, evidence: Evidence, blocks: Iterable[Block]):
         self.rows, self.evidence = rows, evidence
         self.cost = np.zeros(0)
+        self.tried: dict[tuple[str, object], Block | None] = {}
         self._number: dict[tuple[str, object], int] = {}  # of each name and shape
         rest = iter(blocks)
         while some := list(islice(rest, AT_ONCE)):
@@ -304,7 +306,7 @@ def _terms(rows: Rows, block: Block, value: np.ndarray) -> np.ndarray:
         if x in state.since:
             since = np.where(state.passage >= 0, state.since[x], np.inf)
             terms += [BUILT_UP * part * np.exp(-since / tau) for tau in AFTER_TURN]
-    return np.stack([c for c in terms if np.abs(c).max() > 1e-9], axis=1)
+    return np.stack([c for c in terms if np.abs(c).max() > 1e-9]).T
 
 
 def _later(rows: Rows, part: np.ndarray) -> np.ndarray:

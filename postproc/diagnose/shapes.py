@@ -27,6 +27,7 @@ ROUNDING = 1e-6  # of a worth: by less no shape is likelier, readings do not tel
 # meaning
 FIRST, HALVINGS, FAR = 1.4, 4, 1.5
 FEWEST_MOMENTS = 4  # between which jumps are looked for
+KEPT = 64  # shapes whose columns are kept: beside the next set most are tried again
 WITHIN, TRIED, ROUNDS = 0.6, 5, 4  # of what the span resolves; periods tried each time
 
 
@@ -88,7 +89,7 @@ def _likeliest(
 ) -> tuple[Block, float]:
     """A block in the likeliest of these shapes, and what it is worth; as it is where none of them
     is worth more."""
-    found = [at(sets, best, shape) for shape in shapes]
+    found = [at(sets, best, shape) for shape in shapes if library.named(shape) != best.shape]
     tried = [b for b in found if b is not None and b.width == best.width]
     for block, now in zip(tried, worths(sets, fit, tried) if tried else [], strict=True):
         if now > most + ROUNDING:
@@ -99,6 +100,15 @@ def _likeliest(
 def at(sets: Sets, block: Block, shape: dict[str, float]) -> Block | None:
     """The block in another shape; None where these readings do not show all of it, or a wave only
     as a curve."""
+    key = block.key, library.named(shape)
+    found = sets.tried.pop(key) if key in sets.tried else _at(sets, block, shape)
+    sets.tried[key] = found
+    if len(sets.tried) > KEPT:
+        del sets.tried[next(iter(sets.tried))]
+    return found and replace(block, shape=key[1], make=found.make).having(found.columns)
+
+
+def _at(sets: Sets, block: Block, shape: dict[str, float]) -> Block | None:
     make = partial(library.read, sets.rows, block.module, block.axis, shape)
     columns = make()
     if not (np.abs(columns).max(axis=0) > 1e-9).all():

@@ -31,7 +31,7 @@ And it may hold
 - sensible(**parameters): False where such parameters are another effect's;
 - RESTING: True where its axis is the direction of the error, which need not move itself;
 - LISTED: True of a fault of the data, listed where rows show it: it is simulated, never fitted;
-- ALONG: True where it is along its axis and told by each row alone: rows that see it are asked;
+- ALONG: True where it is along its axis and told by each signal alone: rows that see it are asked;
 - WALLS: True where what goes with time changes what lies between the two walls of a feature;
 - instead(shape) -> True of a shape that is taken only in the place of two effects;
 - fuller(shape, state, axis) -> shapes with more that may come with it, each worth its price;

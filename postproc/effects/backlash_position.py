@@ -49,6 +49,7 @@ PLAUSIBLE = {
 # mm: over which it is taken up; where a worn stretch is, and how wide
 CONTINUOUS = {"play_mm": (0.001, 0.05), "worn_mm": (1.0, 20000.0), "wide_mm": (10.0, 5000.0)}
 KIND, USE, PER = "machine", "compensate", "axis"
+ALONG = True
 NEEDS, SEES = ("position", "approach"), ("tool", "part")
 TEXT = (
     "The lost motion differs along the travel: a worn stretch of the screw. A two-way table"

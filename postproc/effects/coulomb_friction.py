@@ -46,6 +46,7 @@ PLAUSIBLE = {"size_um": (-1000.0, 1000.0)}  # beyond, it is something else
 EXPECTED = {"size_um": 1}
 CONTINUOUS = {"settle_ms": (0.5, 250.0)}
 KIND, USE, PER = "machine", "simulate", "axis"
+ALONG = True
 NEEDS, SEES = ("velocity",), ("tool", "scale")
 TEXT = (
     "Friction holds the axis back while it moves. Lubrication and preload; friction compensation in"

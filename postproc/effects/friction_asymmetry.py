@@ -35,6 +35,7 @@ OPPOSES = 3.0
 POWERS = (1.0, 0.5)
 LIKE_SLOPE = 3.0  # a height that is there at all speeds holds as much at 33 mm/s as this slope
 KIND, USE, PER = "machine", "simulate", "axis"
+ALONG = True
 NEEDS, SEES = ("since", "approach", "velocity"), ("tool", "scale")
 TEXT = (
     "Friction differs with the direction of motion. "

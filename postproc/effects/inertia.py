@@ -22,6 +22,7 @@ EXPECTED = {"um_per_mm_s2": -1}
 ODD = 0.05  # a slide that leads its drive is seldom
 fuller = settling
 KIND, USE, PER = "machine", "simulate", "axis"
+ALONG = True
 NEEDS, SEES = ("acceleration",), ("tool", "scale")
 TEXT = (
     "The axis gives way when it is accelerated. Acceleration feed-forward, less jerk; a program can"

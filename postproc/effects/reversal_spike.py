@@ -28,6 +28,7 @@ TIMES = (10.0, 30.0, 100.0)  # ms: over which the loop makes up for it
 FADED = 10.0  # lengths after which nothing is left
 PLAUSIBLE = {"size_um": (-500.0, 500.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "simulate", "axis"
+ALONG = True
 NEEDS, SEES = ("since", "approach", "velocity"), ("tool", "scale")
 TEXT = (
     "The axis sticks when it turns back and lets go late. "

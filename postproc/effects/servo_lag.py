@@ -24,6 +24,7 @@ CONTINUOUS = {"settle_ms": (0.5, 250.0)}
 FORM = 0.05  # a loop of the first order lags so; of the second it differs while it settles
 fuller = settling
 KIND, USE, PER = "machine", "simulate", "axis"
+ALONG = True
 NEEDS, SEES = ("velocity",), ("tool", "scale")
 TEXT = (
     "The axis lags behind its command in proportion to its speed. "

@@ -24,6 +24,7 @@ USUAL = 10.0  # mm/s
 POWERS = (1.0, 0.8, 0.65, 0.5)
 CONTINUOUS = {"power": (0.4, 0.9), "settle_ms": (0.5, 250.0)}
 KIND, USE, PER = "machine", "simulate", "axis"
+ALONG = True
 NEEDS, SEES = ("velocity",), ("tool", "scale")
 TEXT = (
     "Friction grows with the speed and bends the drive. "

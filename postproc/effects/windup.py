@@ -36,6 +36,7 @@ EXPECTED = {"size_um": 1}
 BUILT_UP = 5.0  # lengths after which less than 1 % is to come
 CONTINUOUS = {"length_mm": (0.05, 15.0)}
 KIND, USE, PER = "machine", "compensate", "axis"
+ALONG = True
 NEEDS, SEES = ("approach", "distance"), ("tool", "part")
 TEXT = (
     "The drive winds up before the slide follows. A staircase of small reversals shows its length;"

@@ -107,16 +107,22 @@ def test_columns_are_vectors_row_by_row(name):
 
 
 @pytest.mark.parametrize("name", [n for n in NAMES if getattr(effects.load(n), "ALONG", False)])
-def test_what_is_along_its_axis_is_determined_by_each_row_alone(name):
+def test_what_is_along_its_axis_is_determined_by_the_rows_of_one_signal(name):
+    """Two signals are read at the same moments, and one of them in another motion, too."""
     module = effects.load(name)
     rng = np.random.default_rng(7)
     inside = {x: p + rng.uniform(0, 2, (5, N)) for x, p in STATE.position.items()}
-    state = replace(STATE, inside=inside, width=np.zeros(N))
-    some = np.array([7, 2, 3])
-    columns = module.columns(state, "Y", **FOUND[name])
-    assert not columns[:, [0, 2]].any()
-    of_some = module.columns(pick_state(state, some), "Y", **FOUND[name])
-    assert of_some == pytest.approx(columns[..., some], abs=1e-15)
+    motion = np.arange(N) // (N // 2)
+    state = replace(STATE, inside=inside, width=np.zeros(N), passage=motion, file=motion)
+    both, own = pick_state(state, np.repeat(np.arange(N), 2)), np.flatnonzero(motion == 0)
+    shapes = shapes_of(name, module)
+    for shape in list(shapes):
+        shapes += getattr(module, "fuller", lambda *_: [])(shape, state, "Y")
+    for shape in shapes:
+        columns = module.columns(both, "Y", **shape)
+        assert not columns[:, [0, 2]].any()
+        of_own = module.columns(pick_state(state, own), "Y", **shape)
+        assert of_own == pytest.approx(columns[..., ::2][..., own], rel=1e-9, abs=1e-15)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -10,11 +10,21 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from postproc.diagnose.block import Block
+from postproc.diagnose import shapes
+from postproc.diagnose.block import KEPT, Block
+from postproc.diagnose.dictionary import RECENT as ASIDE
 from postproc.diagnose.evidence import SLAB, Evidence
+from postproc.diagnose.nuisances import Group
 from postproc.diagnose.parts import RECENT
 from postproc.diagnose.sets import AT_ONCE, Sets
-from tests.diagnose.test_evidence import N, block, twice_log_density, two_instruments
+from tests.diagnose.test_evidence import (
+    NOISE,
+    N,
+    block,
+    twice_log_density,
+    two_instruments,
+    unit,
+)
 
 FIRST, SECOND = slice(0, N), slice(N, 2 * N)
 
@@ -138,3 +148,92 @@ def test_an_empty_dictionary_says_nothing():
     evidence, _ = two_instruments(np.random.default_rng(5))
     assert isinstance(evidence, Evidence) and evidence.add([]) == []
     assert evidence.scan(evidence.learn((), None, steps=0))[0].shape == (0,)
+
+
+def test_terms_of_a_stated_size_are_members_but_are_not_looked_at():
+    """More of them than are kept whitened: those that were forgotten are the same again."""
+    rng = np.random.default_rng(6)
+    evidence, covariance = two_instruments(rng)
+    wide = rng.normal(size=(2 * N, 2))
+    evidence.add([block(*wide.T)])
+    columns = [part.dictionary.columns for part in evidence.parts]
+    terms = [rng.normal(size=2 * N) for _ in range(ASIDE + 3)]
+    stated = evidence.add([block(term) for term in terms], 1e-4)
+    null = evidence.learn((), None, steps=0)
+    scores, coefficients, _ = evidence.scan(null)
+    assert np.isfinite(scores[0]) and np.all(scores[stated] == -np.inf) and len(coefficients) == 2
+    for part, before in zip(evidence.parts, columns, strict=True):
+        assert np.array_equal(part.dictionary.columns, before)
+        assert stated[0] not in part.dictionary._white
+    base = twice_log_density(evidence.y, covariance)
+    for chosen in ((stated[0],), (stated[1], stated[-1])):
+        known = [terms[k - stated[0]] for k in chosen]
+        wanted = covariance + sum(np.outer(term, term) * 1e-8 for term in known)
+        fit = evidence.learn(chosen, null, steps=0)
+        found = fit.value - null.value
+        assert found == pytest.approx(twice_log_density(evidence.y, wanted) - base, rel=1e-6)
+        one, other = evidence.among(fit, (0,)), evidence.beside(fit, wide)
+        evidence.scan(fit)
+        for products in (other, evidence.among(fit, (0,))):
+            assert products[0] == pytest.approx(one[0]) and products[1] == pytest.approx(one[1])
+
+
+def test_of_blocks_that_make_their_columns_again_the_last_ones_keep_them():
+    evidence, _ = two_instruments(np.random.default_rng(7))
+    evidence.add([block(column) for column in np.eye(2 * N)[:, : KEPT + 5].T])
+    assert not any("columns" in vars(b) for b in evidence.blocks)
+    for b in evidence.blocks:
+        _ = b.columns
+    assert ["columns" in vars(b) for b in evidence.blocks] == [False] * 5 + [True] * KEPT
+
+
+def test_an_instrument_has_the_shared_columns_that_show_in_it():
+    rng = np.random.default_rng(8)
+    units = [unit(np.arange(N)), unit(np.arange(N, 2 * N))]
+    wide = rng.normal(size=(2 * N, 3))
+    wide[FIRST, 0] = wide[SECOND, 1] = 0.0
+    y = rng.normal(0, 1e-3, 2 * N)
+    shared, every = [Group("map", wide, 3e-4)], np.ones(2 * N, bool)
+    evidence = Evidence(y, units, [[], []], shared, every)
+    assert [part.z.shape[1] for part in evidence.parts] == [2, 2]
+    effect = rng.normal(size=2 * N)
+    evidence.add([block(effect)], 2e-4)
+    white = NOISE**2 * np.eye(2 * N) + (wide * 3e-4**2) @ wide.T
+    null = evidence.learn((), None, steps=0)
+    found = evidence.learn((0,), null, steps=0).value - null.value
+    wanted = twice_log_density(y, white + np.outer(effect, effect) * 4e-8)
+    assert found == pytest.approx(wanted - twice_log_density(y, white), rel=1e-6)
+
+
+def test_where_learning_of_a_size_begins_is_found_once(monkeypatch):
+    rng = np.random.default_rng(9)
+    evidence, _ = two_instruments(rng)
+    evidence.add([block(rng.normal(size=2 * N))])
+    null, asked = evidence.learn((), None, steps=0), []
+    among = evidence.among
+    monkeypatch.setattr(evidence, "among", lambda *of: asked.append(of) or among(*of))
+    first, again = (evidence.learn((0,), null, steps=1, afresh=new) for new in (False, True))
+    assert len(asked) == 1 and first.value == pytest.approx(again.value, abs=1.0)
+    assert "covariance" not in vars(first)
+
+
+def test_a_shape_that_is_tried_again_is_not_read_again(monkeypatch):
+    calls = []
+
+    def read(rows: object, module: object, axis: str, shape: dict[str, float]) -> np.ndarray:
+        calls.append(shape["tau_ms"])
+        return np.full((N, 1), shape["tau_ms"])
+
+    monkeypatch.setattr(shapes.library, "read", read)
+    sets = cast(Any, SimpleNamespace(rows=None, tried={}))
+    module = cast(Any, SimpleNamespace(__name__="some.effect"))
+    made = Block(module, "X", (("tau_ms", 1.0),), lambda: np.ones((N, 1)))
+    for tau in (2.0, 3.0, 2.0, 0.0, 0.0):
+        found = shapes.at(sets, made, {"tau_ms": tau})
+        assert (found is None) == (tau == 0.0)
+        assert found is None or (found.columns == tau).all()
+    assert calls == [2.0, 3.0, 0.0]
+    for k in range(shapes.KEPT):
+        shapes.at(sets, made, {"tau_ms": 10.0 + k})
+    assert len(sets.tried) == shapes.KEPT and shapes.at(sets, made, {"tau_ms": 2.0}) is not None
+    assert calls[-1] == 2.0
