@@ -196,7 +196,9 @@ class Motions:
     not be trusted here. space (N,): index into `spaces`, 0: slide positions; else X
     Y Z of start and target are places of the tool tip in that frame. heat (D, N): whole steps of
     what drives the machine's growth (machine/growth.py) in the middle of each motion; no rows where
-    nobody follows it; spells: of motions that are to be cut in time.
+    nobody follows it; spells: of motions that are to be cut in time. alike: what others have worked
+    out, under keys of their own, of motions that differ from these by start and target alone; None:
+    nothing is kept.
     """
 
     block: np.ndarray
@@ -238,6 +240,7 @@ class Motions:
     spaces: list[Space | None] = field(default_factory=lambda: [None])
     heat: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), np.int64))
     spells: Spells = field(default_factory=no_spells)
+    alike: dict[object, dict[str, object]] | None = None
 
     def __len__(self) -> int:
         return len(self.block)
@@ -318,7 +321,7 @@ _COLUMNS: dict[type, tuple[str, ...]] = {
     kind: tuple(
         name
         for name in names(kind)
-        if name not in ("arcs", "holes", "presets", "reasons", "spaces", "spells")
+        if name not in ("arcs", "holes", "presets", "reasons", "spaces", "spells", "alike")
     )
     for kind in (Motions, Arcs, Holes, Presets)
 }

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from postproc.nc.shifted import Shifted
-from postproc.records import columns, mutable, record
+from postproc.records import columns, mutable, record, replace
 from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 
@@ -155,6 +155,24 @@ class ModalState:
     next_tool: int = -1
     loose: tuple[str, ...] = ()
     offsets: dict[str, dict[str, float]] = field(default_factory=dict)
+
+    @cached_property
+    def modes(self) -> tuple[object, ...]:
+        """All but the position, to be compared with that of other states."""
+        columns = (self.known, self.origin, self.sent, self.changed)
+        return (
+            tuple(self.codes), tuple(self.codes.values()), self.tool,
+            self.feed if self.feed == self.feed else None, self.ended, self.renamed,
+            self.zero_known, self.frame, self.cycle, self.beside, self.tool_number, self.next_tool,
+            self.loose, repr(self.offsets) if self.offsets else "",
+            *(None if column is None else column.tobytes() for column in columns),
+        )  # fmt: skip
+
+    def at(self, position: np.ndarray) -> ModalState:
+        """The same modes at another position (A,), ticks."""
+        state = replace(self, position=position)
+        state.__dict__["modes"] = self.modes
+        return state
 
 
 def ticks_of(setup: Setup, place: dict[str, float]) -> np.ndarray:
