@@ -37,7 +37,7 @@ from postproc.nc.lexer import Words
 from postproc.nc.planes import refuse_planes
 from postproc.nc.plans import Plans
 from postproc.nc.positions import Places, position
-from postproc.nc.queries import word_column
+from postproc.nc.queries import tool_in_use, word_column
 from postproc.nc.refusals import (
     check_letters,
     check_points,
@@ -385,21 +385,6 @@ def next_state(b: Batch, places: Places) -> ModalState:
         cycle=b.cycle.after if b.cycle else None, beside=b.beside, tool_number=tool_in_use(b),
         next_tool=b.next_tool, loose=b.loose, offsets=b.offsets,
     )  # fmt: skip
-
-
-def tool_in_use(b: Batch) -> int:
-    """The tool in the spindle behind the batch: the last T when M6 came, -1 before any."""
-    place, change = b.places.get("T"), b.places.get("M")
-    b.next_tool = b.state.next_tool if place is None else int(b.words.mantissa[place[-1]])
-    if change is None:
-        return b.state.tool_number
-    changes = change[(b.words.mantissa[change] == 6) & (b.words.decimals[change] == 0)]
-    if not len(changes):
-        return b.state.tool_number
-    if place is None:
-        return b.state.next_tool
-    called = place[b.words.block[place] <= b.words.block[changes[-1]]]
-    return int(b.words.mantissa[called[-1]]) if len(called) else b.state.next_tool
 
 
 NO_HEAT = np.zeros((0, 0), np.int64)

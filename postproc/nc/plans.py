@@ -14,7 +14,7 @@ import numpy as np
 
 from postproc.errors import Notice
 from postproc.flags import all_of, any_of
-from postproc.motions import LINES, Motions
+from postproc.motions import FEED, RAPID, Motions
 from postproc.nc.state import ModalState
 from postproc.records import mutable, replace
 
@@ -112,16 +112,15 @@ class Plans:
 
 
 def _places_alone(b: Batch, m: Motions, after: ModalState) -> bool:
-    """Whether nothing but start, target and position of a batch depends on where its axes go."""
-    before, frame, axes = b.state, b.frame, b.axes
-    if len(b.reasons) > 1 or b.ended or b.polar or b.loose or before.loose:
-        return False
-    if b.cycle or before.cycle or frame is not before.frame or frame.space is not None:
-        return False
-    if len(m.presets) or b.beside is not before.beside or b.beside.on or any_of(m.cutter):
+    """Whether nothing but start, target and position of a batch depends on where its axes go: all
+    known lines, outside cycles and cutter radius compensation, where no coordinates are shifted."""
+    frame, before, axes = b.frame, b.state, b.axes
+    special = (b.polar, b.loose, before.loose, b.cycle, before.cycle, b.ended, len(m.presets))
+    shifted = frame is not before.frame or after.offsets is not before.offsets
+    beside = b.beside is not before.beside or b.beside.on or any_of(m.cutter)
+    if any(special) or shifted or beside or frame.space is not None or len(b.reasons) > 1:
         return False
     if axes is not None and (axes.forgets or axes.sends or axes.held):
         return False
-    if not (all_of(before.known) and all_of(after.known)) or after.offsets is not before.offsets:
-        return False
-    return all_of(np.isin(m.code, LINES))
+    known = all_of(before.known) and all_of(after.known)
+    return known and all_of((m.code == RAPID) | (m.code == FEED))

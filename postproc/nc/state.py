@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from postproc.nc.shifted import Shifted
-from postproc.records import columns, mutable, record, replace
+from postproc.records import columns, mutable, record
 from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 
@@ -170,8 +170,8 @@ class ModalState:
 
     def at(self, position: np.ndarray) -> ModalState:
         """The same modes at another position (A,), ticks."""
-        state = replace(self, position=position)
-        state.__dict__["modes"] = self.modes
+        state = object.__new__(ModalState)
+        state.__dict__.update(self.__dict__, modes=self.modes, position=position)
         return state
 
 
