@@ -7,6 +7,7 @@ A axes in the machine's order, N motions in program order. Positions are int64 t
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import field
 from functools import cache
 
@@ -244,6 +245,18 @@ class Motions:
 
     def __len__(self) -> int:
         return len(self.block)
+
+    def recall(self, thing: object, key: object, work_out: Callable[[], None]) -> None:
+        """Let `work_out` set what it sets of a thing, which start and target have no say in; where
+        that was done of motions like these, under the same key, take over what it has set."""
+        if self.alike is None:
+            work_out()
+        elif key in self.alike:
+            thing.__dict__.update(self.alike[key])
+        else:
+            before = set(thing.__dict__)
+            work_out()
+            self.alike[key] = {x: v for x, v in thing.__dict__.items() if x not in before}
 
     def part(self, first: int, stop: int) -> Motions:
         """Motions first to stop - 1 alone; blocks and words keep their numbers. Presets and
