@@ -24,7 +24,7 @@ from postproc.flags import any_of
 from postproc.nc.comments import without_comments
 from postproc.nc.faults import ADVICE_NUMBER, advice_at, bare, what
 from postproc.nc.grammar import NUMBERLESS, SPELLED, Grammar
-from postproc.records import columns, replace
+from postproc.records import columns, record, replace
 
 BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
 BLANKS = b" \t\r"
@@ -104,27 +104,24 @@ class Words:
         return replace(self, **words, **blocks, block=self.block[low:high] - first, fault=fault)
 
 
-@columns
+@record
 class Shape:
     """Texts that differ by their digits alone: the words of one of them, and of each number where
-    it begins, in a text without blanks, how many digits it has before the point, and whether it is
-    negative (W,)."""
+    it begins and ends, in a text without blanks, and its sign, -1 or 1."""
 
     words: Words
-    begin: np.ndarray
-    whole: np.ndarray
-    negative: np.ndarray
+    numbers: list[tuple[int, int, int]]
 
     def of(self, text: bytes, code: bytes, within: int) -> Words:
         """The words of another one of these texts."""
-        like = self.words
-        byte = np.frombuffer(code.translate(None, BLANKS), dtype=np.uint8)
-        mantissa = _mantissa(
-            byte, self.begin, self.whole, like.decimals, like.pointed, self.negative
-        )
+        digits = code.translate(None, BLANKS)
+        values = [
+            sign * int(digits[begin:stop].replace(b".", b"") or 0)
+            for begin, stop, sign in self.numbers
+        ]
         # decimals may be written to (increments.py)
-        changes = {"text": text, "mantissa": mantissa, "decimals": like.decimals.copy()}
-        return replace(like, **changes, within=within)
+        changes = {"text": text, "mantissa": np.array(values, np.int64), "within": within}
+        return replace(self.words, **changes, decimals=self.words.decimals.copy())
 
 
 @lru_cache
@@ -167,18 +164,23 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     if isinstance(shape, Shape):
         shapes[key] = shape  # it is the last one that was asked for
         return shape.of(text, code, within)
-    words, *of_numbers = _read(text, code, spelled, within, grammar)
+    words, numbers = _read(text, code, spelled, within, grammar)
     if words.fault is None and words.tape < 0:
         while len(shapes) >= MOST_SHAPES:
             del shapes[next(iter(shapes))]
-        shapes[key] = Shape(replace(words, decimals=words.decimals.copy()), *of_numbers)
+        begin, stop, sign = (column.tolist() for column in numbers)
+        shapes[key] = Shape(
+            replace(words, decimals=words.decimals.copy()),
+            [*zip(begin, stop, sign, strict=True)],
+        )
     return words
 
 
 def _read(
     text: bytes, code: bytes, spelled: bool, within: int, grammar: Grammar
-) -> tuple[Words, np.ndarray, np.ndarray, np.ndarray]:
-    """The words of a text, read from `code`, and the columns of their Shape."""
+) -> tuple[Words, tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """The words of a text, read from `code`, and where their numbers begin and end and their
+    signs, as in Shape."""
     semicolon = grammar.semicolon
     byte = np.frombuffer(code, dtype=np.uint8)
     classes = _classes(semicolon, spelled, grammar.block_end)
@@ -267,7 +269,7 @@ def _read(
         words = words.part(0, _block_at(words, tape))
     elif fault:
         words = words.part(0, fault.block, fault)
-    return words, begin, whole, negative
+    return words, (begin, begin + whole + pointed + decimals, np.where(negative, -1, 1))
 
 
 def _block_at(words: Words, offset: int) -> int:
