@@ -55,6 +55,7 @@ class Columns:
     exact: np.ndarray
     end: np.ndarray
     tip: bool
+    plain: bool
     inside: bool
     reads_beside: bool
 
@@ -76,6 +77,7 @@ class Columns:
         """What is known of the motions, each of them one stroke; nothing of it depends on their
         places, where all of these are known."""
         motions = self.m
+        self.tip = isinstance(self.machine, TipMachine)
         self.places = known(self.machine, motions)
         self.known, self.start_known = self.places.end, self.places.start
         # motions whose end is corrected
@@ -85,6 +87,18 @@ class Columns:
         self.leaps = any_of(self.jumped)
         # every place is known, and every motion corrected
         self.every = self.places.every and all_of(self.free)
+        # whether nothing but lines of slides whose places are known is there
+        self.plain = (
+            self.every
+            and len(motions) > 0
+            and not (
+                self.tip or len(motions.arcs) or len(motions.holes) or self.options.orientation
+            )
+            and self.c.mode != "off"
+            and not any_of(motions.cutter)
+            and not any_of(motions.reason)
+            and all_of(motions.code <= FEED)
+        )
         # (N,) ticks commanded at the bottom of a hole
         self.bottom = np.zeros(len(motions), np.int64)
         self.arc_of = np.empty(len(motions), np.int64)
@@ -92,7 +106,6 @@ class Columns:
         self.arc_of[motions.arcs.motion] = np.arange(len(motions.arcs))
         self.motion, self.t0 = np.arange(len(motions)), np.zeros(len(motions))
         self.t1 = np.ones(len(motions))
-        self.tip = isinstance(self.machine, TipMachine)
 
     @cached_property
     def arc_start(self) -> np.ndarray:
