@@ -95,8 +95,8 @@ class Columns:
                 self.tip or len(motions.arcs) or len(motions.holes) or self.options.orientation
             )
             and self.c.mode != "off"
-            and not any_of(motions.cutter)
-            and not any_of(motions.reason)
+            and not np.count_nonzero(motions.cutter)
+            and not np.count_nonzero(motions.reason)
             and all_of(motions.code <= FEED)
         )
         # (N,) ticks commanded at the bottom of a hole

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postproc.errors import Notice
-from postproc.flags import all_of, any_of
+from postproc.flags import all_of
 from postproc.motions import FEED, RAPID, Motions
 from postproc.nc.state import ModalState
 from postproc.records import mutable, replace
@@ -117,7 +117,7 @@ def _places_alone(b: Batch, m: Motions, after: ModalState) -> bool:
     frame, before, axes = b.frame, b.state, b.axes
     special = (b.polar, b.loose, before.loose, b.cycle, before.cycle, b.ended, len(m.presets))
     shifted = frame is not before.frame or after.offsets is not before.offsets
-    beside = b.beside is not before.beside or b.beside.on or any_of(m.cutter)
+    beside = b.beside is not before.beside or b.beside.on or np.count_nonzero(m.cutter) > 0
     if any(special) or shifted or beside or frame.space is not None or len(b.reasons) > 1:
         return False
     if axes is not None and (axes.forgets or axes.sends or axes.held):
