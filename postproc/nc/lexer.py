@@ -164,23 +164,23 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     if isinstance(shape, Shape):
         shapes[key] = shape  # it is the last one that was asked for
         return shape.of(text, code, within)
-    words, numbers = _read(text, code, spelled, within, grammar)
+    words, begin, whole, negative = _read(text, code, spelled, within, grammar)
     if words.fault is None and words.tape < 0:
         while len(shapes) >= MOST_SHAPES:
             del shapes[next(iter(shapes))]
-        begin, stop, sign = (column.tolist() for column in numbers)
+        stop, sign = begin + whole + words.pointed + words.decimals, np.where(negative, -1, 1)
         shapes[key] = Shape(
             replace(words, decimals=words.decimals.copy()),
-            [*zip(begin, stop, sign, strict=True)],
+            [*zip(begin.tolist(), stop.tolist(), sign.tolist(), strict=True)],
         )
     return words
 
 
 def _read(
     text: bytes, code: bytes, spelled: bool, within: int, grammar: Grammar
-) -> tuple[Words, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """The words of a text, read from `code`, and where their numbers begin and end and their
-    signs, as in Shape."""
+) -> tuple[Words, np.ndarray, np.ndarray, np.ndarray]:
+    """The words of a text, read from `code`, and of each number (W,) where it begins, as
+    in Shape, how many digits it has before the point, and whether it is negative."""
     semicolon = grammar.semicolon
     byte = np.frombuffer(code, dtype=np.uint8)
     classes = _classes(semicolon, spelled, grammar.block_end)
@@ -269,7 +269,7 @@ def _read(
         words = words.part(0, _block_at(words, tape))
     elif fault:
         words = words.part(0, fault.block, fault)
-    return words, (begin, begin + whole + pointed + decimals, np.where(negative, -1, 1))
+    return words, begin, whole, negative
 
 
 def _block_at(words: Words, offset: int) -> int:

@@ -55,7 +55,8 @@ def position(b: Batch, block: np.ndarray, axis_words: AxisWords) -> Places:
     words = itertools.chain(*axis_words.values())
     if not (len(block) or moves_without_words or any(map(len, words))):
         return p
-    b.axes = axes
+    if b.n == 1:  # of more blocks nothing is planned, and its columns can go
+        b.axes = axes
     axes.read(axis_words)
     axes.travel()
     axes.leave(p, block)
