@@ -7,6 +7,7 @@ A axes in the machine's order, N motions in program order. Positions are int64 t
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import field
 from functools import cache
 
@@ -196,7 +197,9 @@ class Motions:
     not be trusted here. space (N,): index into `spaces`, 0: slide positions; else X
     Y Z of start and target are places of the tool tip in that frame. heat (D, N): whole steps of
     what drives the machine's growth (machine/growth.py) in the middle of each motion; no rows where
-    nobody follows it; spells: of motions that are to be cut in time.
+    nobody follows it; spells: of motions that are to be cut in time. alike: what others have worked
+    out, under keys of their own, of motions that differ from these by start and target alone; None:
+    nothing is kept.
     """
 
     block: np.ndarray
@@ -238,9 +241,22 @@ class Motions:
     spaces: list[Space | None] = field(default_factory=lambda: [None])
     heat: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), np.int64))
     spells: Spells = field(default_factory=no_spells)
+    alike: dict[object, dict[str, object]] | None = None
 
     def __len__(self) -> int:
         return len(self.block)
+
+    def recall(self, thing: object, key: object, work_out: Callable[[], None]) -> None:
+        """Let `work_out` set what it sets of a thing, which start and target have no say in; where
+        that was done of motions like these, under the same key, take over what it has set."""
+        if self.alike is None:
+            work_out()
+        elif key in self.alike:
+            thing.__dict__.update(self.alike[key])
+        else:
+            before = set(thing.__dict__)
+            work_out()
+            self.alike[key] = {x: v for x, v in thing.__dict__.items() if x not in before}
 
     def part(self, first: int, stop: int) -> Motions:
         """Motions first to stop - 1 alone; blocks and words keep their numbers. Presets and
@@ -318,7 +334,7 @@ _COLUMNS: dict[type, tuple[str, ...]] = {
     kind: tuple(
         name
         for name in names(kind)
-        if name not in ("arcs", "holes", "presets", "reasons", "spaces", "spells")
+        if name not in ("arcs", "holes", "presets", "reasons", "spaces", "spells", "alike")
     )
     for kind in (Motions, Arcs, Holes, Presets)
 }

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from postproc.nc.numbers import decimal_cells
+from postproc.nc.numbers import decimal_cells, decimal_text
 from postproc.nc.splice import Splice
 
 
@@ -19,6 +19,7 @@ def test_numbers_are_written_exactly(values, decimals, room):
     cells, begin, end = decimal_cells(np.array(values), decimals, room)
     for value, cell, b in zip(values, cells, begin, strict=True):
         assert b >= room
+        assert cell[b:end].tobytes() == decimal_text(value, decimals)
         digits = f"{abs(value):0{decimals + 1}d}"
         assert (
             cell[b:end].tobytes().decode()

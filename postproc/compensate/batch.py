@@ -56,56 +56,56 @@ class Batch(Columns):
     def strokes(self) -> None:
         """Motions, cut where a two-way axis turns back inside them: motion, t0, t1 (S,), travel (A,
         S) ticks."""
-        m, arcs = self.m, self.m.arcs
-        self.arc_of = np.empty(len(m), np.int64)
-        self.arc_of.fill(-1)
-        self.arc_of[arcs.motion] = np.arange(len(arcs))
-        self.motion, self.t0, self.t1 = whole = np.arange(len(m)), np.zeros(len(m)), np.ones(len(m))
+        m, whole = self.m, self.motion
         self.begin_nominal, self.end_nominal, self.passed = in_mm(m.start), in_mm(m.target), None
-        self.tip = isinstance(self.machine, TipMachine)
         if self.c.follows:
             self.motion, self.t0, self.t1 = turning.divided(self)
         if self.span != (0.0, 1.0):
             self.motion, self.t0, self.t1 = turning.within(self.motion, self.t0, self.t1, self.span)
-        motion, t0, t1 = self.motion, self.t0, self.t1
-        self.undivided = motion is whole[0]
-        self.last = t1 == ONE
+        self.undivided = self.motion is whole
         if not self.undivided:
             self.passed = None
-            self.begin_nominal = self.nominal(motion, t0)
-            self.end_nominal = self.nominal(motion, t1)
-        self.code = code = self.of(m.code)
+            self.begin_nominal = self.nominal(self.motion, self.t0)
+            self.end_nominal = self.nominal(self.motion, self.t1)
         self._travel()
-        self.inside = bool(np.count_nonzero(m.cutter))
-        self.reads_beside = self.inside and cutter.reads_beside(self)
+        if self.undivided:
+            m.recall(self, (self.c, "strokes"), self._kinds)
+        else:
+            self._kinds()
         self.turns = cutter.last_way(self, self.travel) if self.inside else self.travel
-        self.known_before = self.of(self.start_known)
-        if not self.undivided:
-            self.known_before = self.known_before | (t0 > 0)
-        self.hole, self.reached = NONE, self.end_nominal
+        self.reached = self.end_nominal
         if len(m.holes):  # a hole asks for its place at the middle of its depth
-            self.hole = motion.searchsorted(m.holes.motion)
             self.reached = self.end_nominal.copy()
             middle = (m.holes.level + m.holes.bottom) / 2 / TICKS_PER_MM
             self.reached[m.holes.axis, self.hole] = middle
-        # Strokes that begin where the last one did not end: something else (G28) moved the axis.
-        self.jumps = self.of(self.jumped)
-        if not self.undivided:
-            self.jumps = self.jumps & (t0 == 0)
-        # A motion that is left as it is moves the axes that it names; the others stay where they
-        # were sent last.
-        self.moved = free = self.of(self.free)
-        self.sure_after = free & (code != HOLE) if len(m.holes) else free
-        self.sure = np.empty(len(motion), bool)
+        self.sure = np.empty(len(self.motion), bool)
         self.sure[:1], self.sure[1:] = self.carry.sure, self.sure_after[:-1]
         if self.leaps:
             self.sure &= ~self.jumps.any(axis=0)
+        self.left = self.left_alone()
+
+    def _kinds(self) -> None:
+        """What strokes are, wherever they lead."""
+        m = self.m
+        self.last, self.code = self.t1 == ONE, self.of(m.code)
+        self.inside = bool(np.count_nonzero(m.cutter))
+        self.reads_beside = self.inside and cutter.reads_beside(self)
+        self.known_before = self.of(self.start_known)
+        # Strokes that begin where the last one did not end: something else (G28) moved the axis.
+        self.jumps = self.of(self.jumped)
+        if not self.undivided:
+            self.known_before = self.known_before | (self.t0 > 0)
+            self.jumps = self.jumps & (self.t0 == 0)
+        self.hole = self.motion.searchsorted(m.holes.motion) if len(m.holes) else NONE
+        # A motion that is left as it is moves the axes that it names; the others stay where they
+        # were sent last.
+        self.moved = free = self.of(self.free)
+        self.sure_after = free & (self.code != HOLE) if len(m.holes) else free
         # Strokes before which lost motion may be taken up.
-        self.cutting = free & CUTS.take(code)
+        self.cutting = free & CUTS.take(self.code)
         if self.inside:
             self.cutting &= self.of(m.cutter) == FREE
         self.correctable = self.of(self.places.rows)  # (A, S) axes whose correction can be told
-        self.left = self.left_alone()
 
     def _travel(self) -> None:
         """`travel` (A, S) ticks, 0 where an end is not known; `forget` (A, S): axes that come from

@@ -16,6 +16,7 @@ from postproc.compensate.known import known
 from postproc.compensate.settings import Carry, Settings
 from postproc.errors import Notice
 from postproc.flags import all_of, any_of
+from postproc.machine.tip import TipMachine
 from postproc.motions import FEED, RAPID, Motions
 from postproc.units import TICKS_PER_MM, in_mm
 
@@ -54,6 +55,7 @@ class Columns:
     exact: np.ndarray
     end: np.ndarray
     tip: bool
+    plain: bool
     inside: bool
     reads_beside: bool
 
@@ -69,6 +71,13 @@ class Columns:
         self.machine, self.options = settings.machine, settings.options
         self.rows, self.fixed = settings.rows, settings.fixed
         self.notices: list[Notice] = []
+        motions.recall(self, settings, self._whole)
+
+    def _whole(self) -> None:
+        """What is known of the motions, each of them one stroke; nothing of it depends on their
+        places, where all of these are known."""
+        motions = self.m
+        self.tip = isinstance(self.machine, TipMachine)
         self.places = known(self.machine, motions)
         self.known, self.start_known = self.places.end, self.places.start
         # motions whose end is corrected
@@ -78,8 +87,25 @@ class Columns:
         self.leaps = any_of(self.jumped)
         # every place is known, and every motion corrected
         self.every = self.places.every and all_of(self.free)
+        # whether nothing but lines of slides whose places are known is there
+        self.plain = (
+            self.every
+            and len(motions) > 0
+            and not (
+                self.tip or len(motions.arcs) or len(motions.holes) or self.options.orientation
+            )
+            and self.c.mode != "off"
+            and not np.count_nonzero(motions.cutter)
+            and not np.count_nonzero(motions.reason)
+            and all_of(motions.code <= FEED)
+        )
         # (N,) ticks commanded at the bottom of a hole
         self.bottom = np.zeros(len(motions), np.int64)
+        self.arc_of = np.empty(len(motions), np.int64)
+        self.arc_of.fill(-1)
+        self.arc_of[motions.arcs.motion] = np.arange(len(motions.arcs))
+        self.motion, self.t0 = np.arange(len(motions)), np.zeros(len(motions))
+        self.t1 = np.ones(len(motions))
 
     @cached_property
     def arc_start(self) -> np.ndarray:

@@ -7,7 +7,7 @@ the ways between, check the limits.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from itertools import pairwise
 
@@ -208,7 +208,7 @@ class Compensator(Settings):
 
     def _finished(self, b: Batch, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         """The pieces of a batch that is worked out."""
-        spline = splines.check(b)
+        spline = None if b.plain else splines.check(b)
         parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
         pieces = without_rests(in_order([p for p in parts if p is not None]))
         largest = limits.check_limits(b)
@@ -224,27 +224,30 @@ class Compensator(Settings):
     def _worked_out(self, motions: Motions, carry: Carry, span: tuple[float, float]) -> Batch:
         """The batch with where every stroke begins and ends."""
         b = Batch(self, motions, carry, span)
-        limits.refuse(b)
-        limits.refuse_turning_arcs(b)
-        limits.check_unknown(b)
-        limits.check_pole(b)
-        cutter.tell(b)
-        b.strokes()
-        limits.check_inside(b)
-        limits.check_poses(b)
-        b.approach()
-        b.ends()
-        holes.settle(b)
-        b.starts()
-        b.settle_ends()
-        if b.leash is not None:
-            cutter.tell_held(b, b.leash)
-        b.spread_reversals()
-        b.lead_beyond()
-        threads.say(b)
-        limits.tell_orientation(b)
-        limits.tell_play(b)
+        for step in OF_LINES if b.plain else EVERY:
+            step(b)
         return b
+
+
+def _tell_held(b: Batch) -> None:
+    """Say what cutter radius compensation holds."""
+    if b.leash is not None:
+        cutter.tell_held(b, b.leash)
+
+
+# What is worked out of a batch, in order; and the part of it that lines and feeds ask for whose
+# places are all known, outside cycles and cutter radius compensation, where slides are programmed.
+EVERY: tuple[Callable[[Batch], None], ...] = (
+    limits.refuse, limits.refuse_turning_arcs, limits.check_unknown, limits.check_pole,
+    cutter.tell, Batch.strokes, limits.check_inside, limits.check_poses, Batch.approach,
+    Batch.ends, holes.settle, Batch.starts, Batch.settle_ends, _tell_held,
+    Batch.spread_reversals, Batch.lead_beyond, threads.say, limits.tell_orientation,
+    limits.tell_play,
+)  # fmt: skip
+OF_LINES = (
+    Batch.strokes, limits.check_inside, Batch.approach, Batch.ends, Batch.starts,
+    Batch.settle_ends, Batch.lead_beyond,
+)  # fmt: skip
 
 
 def _heat_rows(heat: np.ndarray) -> list[np.ndarray]:

@@ -93,6 +93,7 @@ class Batch:
         self.presets = no_presets()
         self.zero_known = True
         self.condition = int(state.codes.get("condition", NONE))
+        self.axes: Any = None  # what has read its axis words (positions.py), if anything has
         self.polar = ""  # letter of the second coordinate of polar interpolation (face.py)
         self.integers = self.setup.integers or self.dialect.integers
         self.frame, self.offsets = state.frame or no_frame(len(self.rows)), state.offsets

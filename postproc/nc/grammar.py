@@ -36,6 +36,11 @@ class Grammar:
     klartext: bool = False  # whether its statements are those of Heidenhain's Klartext
 
     @cached_property
+    def shapes(self) -> dict[object, object]:
+        """What the lexer has found of lines, by their text but for its digits."""
+        return {}
+
+    @cached_property
     def is_respelled(self) -> bool:
         """Whether words may be written in other ways than as a letter and a number."""
         patterns = (self.keywords, self.spellings, self.ignores, self.macros, self.homing)

@@ -27,6 +27,7 @@ from postproc.nc.coded import Coded, written_codes
 from postproc.nc.columns import at, hold_last_float, named_since, one_of, spread
 from postproc.nc.conditionals import conditionals
 from postproc.nc.control import Control, spelled
+from postproc.nc.dialects import Dialect
 from postproc.nc.engraving import as_motion, cycle_of, known_behind, loose_axes
 from postproc.nc.grammar import ABSOLUTE, KEYWORD_LETTER, RELATIVE, UNKNOWN_FEED
 from postproc.nc.holes import holes_of, refuse_slants
@@ -34,8 +35,9 @@ from postproc.nc.increments import count_increments
 from postproc.nc.left import left_as_they_are
 from postproc.nc.lexer import Words
 from postproc.nc.planes import refuse_planes
+from postproc.nc.plans import Plans
 from postproc.nc.positions import Places, position
-from postproc.nc.queries import word_column
+from postproc.nc.queries import tool_in_use, word_column
 from postproc.nc.refusals import (
     check_letters,
     check_points,
@@ -53,7 +55,7 @@ from postproc.nc.refusals import (
     unnamed_motions,
 )
 from postproc.nc.splines import refuse_splines, spaced_column
-from postproc.nc.state import NONE, Frame, ModalState, no_frame
+from postproc.nc.state import NONE, Frame, ModalState, Setup, no_frame
 from postproc.nc.stops import stop_column
 from postproc.nc.threads import thread_columns
 from postproc.nc.tips import first_frame, refuse_cycles, refuse_tips, tip_codes, transformed
@@ -65,6 +67,10 @@ from postproc.units import TICKS_PER_MM
 class Interpreter(Control):
     """Follows programs of one dialect on one machine. Holds no state: `run` takes it and gives the
     next."""
+
+    def __init__(self, dialect: Dialect, setup: Setup):
+        super().__init__(dialect, setup)
+        self.plans = Plans(self)
 
     def initial(self) -> ModalState:
         """The state before the first block."""
@@ -94,9 +100,14 @@ class Interpreter(Control):
     def run(self, words: Words, state: ModalState) -> tuple[Motions, ModalState, list[Notice]]:
         """Motions of a batch. Raises BlockFault for the first block that can not be followed;
         nothing is changed then."""
+        key = self.plans.key(words, state)
+        if key is not None and (plan := self.plans.get(key)) is not None:
+            return plan.of(words, state)
         cuts, coded = self._segments(words, state)
         if len(cuts) <= 2:
-            return follow(Batch(self, words, state, coded))
+            b = Batch(self, words, state, coded)
+            found = follow(b)
+            return found if key is None else self.plans.remember(key, b, state, found)
         parts, blocks, starts = [], [], []
         notices: list[Notice] = []
         for first, stop in itertools.pairwise(cuts):
@@ -361,6 +372,7 @@ def columns(
         spaces=[None, b.frame.space],
         heat=NO_HEAT,
         spells=no_spells(),
+        alike=None,
     )
     return refuse_beside(b, motions)
 
@@ -373,21 +385,6 @@ def next_state(b: Batch, places: Places) -> ModalState:
         cycle=b.cycle.after if b.cycle else None, beside=b.beside, tool_number=tool_in_use(b),
         next_tool=b.next_tool, loose=b.loose, offsets=b.offsets,
     )  # fmt: skip
-
-
-def tool_in_use(b: Batch) -> int:
-    """The tool in the spindle behind the batch: the last T when M6 came, -1 before any."""
-    place, change = b.places.get("T"), b.places.get("M")
-    b.next_tool = b.state.next_tool if place is None else int(b.words.mantissa[place[-1]])
-    if change is None:
-        return b.state.tool_number
-    changes = change[(b.words.mantissa[change] == 6) & (b.words.decimals[change] == 0)]
-    if not len(changes):
-        return b.state.tool_number
-    if place is None:
-        return b.state.next_tool
-    called = place[b.words.block[place] <= b.words.block[changes[-1]]]
-    return int(b.words.mantissa[called[-1]]) if len(called) else b.state.next_tool
 
 
 NO_HEAT = np.zeros((0, 0), np.int64)

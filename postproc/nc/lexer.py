@@ -15,17 +15,16 @@ does not know what a word means.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable
-from functools import cache, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
 from postproc.errors import BlockFault
 from postproc.flags import any_of
-from postproc.nc.faults import ADVICE_NUMBER, LONE, LONE_RETURN, advice_at, bare, what
+from postproc.nc.comments import without_comments
+from postproc.nc.faults import ADVICE_NUMBER, advice_at, bare, what
 from postproc.nc.grammar import NUMBERLESS, SPELLED, Grammar
-from postproc.records import columns, replace
+from postproc.records import columns, record, replace
 
 BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
 BLANKS = b" \t\r"
@@ -49,26 +48,13 @@ TENS, HUNDREDS, MYRIADS = map(np.uint64, (2561, 6553601, 42949672960001))
 EIGHT, SIXTEEN, THIRTY_TWO = map(np.uint64, (8, 16, 32))
 SHIFT = (8 * (8 - np.arange(9)) % 64).astype(np.uint64)
 BELOW = np.array([256**k - 1 for k in range(9)], np.uint64)  # the first characters of eight
-NUMBER_FOLLOWS = re.compile(rb"[ \t\r]*[0-9.+-]")
-COMMENTS = {
-    "comment": re.compile(rb"\([^()\n]*\)|;[^\n]*"),
-    "end of block": re.compile(rb"\([^()\n]*\)"),
-}
 NEEDS_NUMBER = np.ones(256, bool)
 NEEDS_NUMBER[list(NUMBERLESS)] = False
-SKIPPED = {
-    "comment": re.compile(rb"(?m)^([ \t]*/)[^\n]*"),
-    "end of block": re.compile(rb"(?m)((?:^|;)[ \t]*/)[^;\n]*"),
-}
-# Of a block: up to a slash within it, and what stands behind; none behind a bracket or a variable,
-# where it divides, and none before a number, which would become part of the word before.
-WITHIN = re.compile(
-    rb"(?im)((?:^|;)(?:[ \t]*/)?[ \t]*[^][#;/\s][^][#;/\n]*)/"
-    rb"([ \t\r]*(?:[A-Z][^][#;/\n]*)?)(?![^;\n])"
-)
+# Texts of so many characters at most are remembered by their shape, and so many shapes at once.
+SHORT, MOST_SHAPES = 256, 1024
+NO_DIGITS = bytes.maketrans(b"0123456789", b"0" * 10)
 OF_WORDS = ("letter", "mantissa", "decimals", "pointed", "start", "number", "stop")
 OF_BLOCKS = ("block_start", "block_stop", "line", "skip")
-AFTER_SEMICOLON = re.compile(rb";[^\n]*")
 
 
 @columns
@@ -118,6 +104,26 @@ class Words:
         return replace(self, **words, **blocks, block=self.block[low:high] - first, fault=fault)
 
 
+@record
+class Shape:
+    """Texts that differ by their digits alone: the words of one of them, and of each number where
+    it begins and ends, in a text without blanks, and its sign, -1 or 1."""
+
+    words: Words
+    numbers: list[tuple[int, int, int]]
+
+    def of(self, text: bytes, code: bytes, within: int) -> Words:
+        """The words of another one of these texts."""
+        digits = code.translate(None, BLANKS)
+        values = [
+            sign * int(digits[begin:stop].replace(b".", b"") or 0)
+            for begin, stop, sign in self.numbers
+        ]
+        # decimals may be written to (increments.py)
+        changes = {"text": text, "mantissa": np.array(values, np.int64), "within": within}
+        return replace(self.words, **changes, decimals=self.words.decimals.copy())
+
+
 @lru_cache
 def _classes(semicolon: str, spelled: bool, block_end: str) -> bytes:
     """The class of each of the 256 bytes, for bytes.translate."""
@@ -143,43 +149,6 @@ def _classes(semicolon: str, spelled: bool, block_end: str) -> bytes:
     return bytes(table)
 
 
-@cache
-def _respelled() -> Callable[[bytes, Grammar], bytes]:
-    """What brings other spellings to letter and number: its expressions cost start-up."""
-    from postproc.nc.spellings import respelled
-
-    return respelled
-
-
-def _blanked(text: bytes, grammar: Grammar) -> bytes:
-    """The text with its comments blanked."""
-    semicolon = grammar.semicolon
-    if b"(" not in text and not (semicolon == "comment" and b";" in text):
-        return text
-    if grammar.parentheses:
-        return COMMENTS[semicolon if b";" in text else "end of block"].sub(_blank, text)
-    return AFTER_SEMICOLON.sub(_blank, text) if semicolon == "comment" else text
-
-
-def _without_comments(text: bytes, grammar: Grammar, drop: bool) -> tuple[bytes, bool, int]:
-    """The text, byte for byte as long, with comments and what block delete drops blanked and other
-    spellings brought to letter and number; whether that was looked for; and the offset of the first
-    slash within a block, -1: none. A newline ends it."""
-    code, within = _blanked(text, grammar), -1
-    if drop and b"/" in code:
-        code = SKIPPED[grammar.semicolon].sub(_only_slash, code)
-    if grammar.slash_within and b"/" in code:
-        found = WITHIN.search(code)
-        within = found.end(1) if found else -1
-        code = WITHIN.sub(_only_slash if drop else _both, code)
-    spelled = grammar.is_respelled or (grammar.machine_variables and (b"#" in code or b"[" in code))
-    if spelled:
-        code = _respelled()(code, grammar)
-    if b"\r" in code and code.count(b"\r") != code.count(b"\r\n"):
-        code = LONE_RETURN.sub(bytes([LONE]), code)
-    return code if code.endswith(b"\n") else code + b"\n", spelled, within
-
-
 def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     """Read a batch of whole lines; only its last line may lack the newline. `grammar` is the
     dialect's; `drop`: blocks that begin with "/" are not executed, so that it does not matter what
@@ -187,7 +156,31 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
 
     Never raises for bad text: the words before the first bad block come back with its `fault`.
     """
-    code, spelled, within = _without_comments(text, grammar, drop)
+    code, spelled, within = without_comments(text, grammar, drop)
+    if len(code) > SHORT:
+        return _read(text, code, spelled, within, grammar)[0]
+    shapes, key = grammar.shapes, (code.translate(NO_DIGITS), len(text), spelled)
+    shape = shapes.pop(key, None)
+    if isinstance(shape, Shape):
+        shapes[key] = shape  # it is the last one that was asked for
+        return shape.of(text, code, within)
+    words, begin, whole, negative = _read(text, code, spelled, within, grammar)
+    if words.fault is None and words.tape < 0:
+        while len(shapes) >= MOST_SHAPES:
+            del shapes[next(iter(shapes))]
+        stop, sign = begin + whole + words.pointed + words.decimals, np.where(negative, -1, 1)
+        shapes[key] = Shape(
+            replace(words, decimals=words.decimals.copy()),
+            [*zip(begin.tolist(), stop.tolist(), sign.tolist(), strict=True)],
+        )
+    return words
+
+
+def _read(
+    text: bytes, code: bytes, spelled: bool, within: int, grammar: Grammar
+) -> tuple[Words, np.ndarray, np.ndarray, np.ndarray]:
+    """The words of a text, read from `code`, and of each number (W,) where it begins, as
+    in Shape, how many digits it has before the point, and whether it is negative."""
     semicolon = grammar.semicolon
     byte = np.frombuffer(code, dtype=np.uint8)
     classes = _classes(semicolon, spelled, grammar.block_end)
@@ -253,10 +246,11 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     block_start[1:] = end_offset[:-1] + 1
     if semicolon != "comment" or grammar.block_end:  # a line may hold several blocks
         (byte[end_at[:-1]] == ord("\n")).cumsum(out=line[1:])
+    negative = byte[number] == MINUS
     words = Words(
         text=text,
         letter=byte[here] & UPPER,
-        mantissa=_mantissa(byte, begin, whole, decimals, pointed, byte[number] == MINUS),
+        mantissa=_mantissa(byte, begin, whole, decimals, pointed, negative),
         decimals=decimals,
         pointed=pointed,
         block=block,
@@ -272,27 +266,10 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
         fault=None,
     )
     if tape >= 0 and (fault is None or fault.block > _block_at(words, tape)):
-        return words.part(0, _block_at(words, tape))
-    return words.part(0, fault.block, fault) if fault else words
-
-
-def _blank(comment: re.Match[bytes]) -> bytes:
-    """As many blanks; but a comment before a digit breaks a number in two, and stays, to be
-    refused."""
-    end = comment.end()
-    if NUMBER_FOLLOWS.match(comment.string, end):
-        return comment[0]
-    return b" " * (end - comment.start())
-
-
-def _only_slash(block: re.Match[bytes]) -> bytes:
-    """A block without what is skipped of it."""
-    return block[1] + b" " * (block.end() - block.end(1))
-
-
-def _both(block: re.Match[bytes]) -> bytes:
-    """A block without the slash in it."""
-    return block[1] + b" " + block[2]
+        words = words.part(0, _block_at(words, tape))
+    elif fault:
+        words = words.part(0, fault.block, fault)
+    return words, begin, whole, negative
 
 
 def _block_at(words: Words, offset: int) -> int:

@@ -55,6 +55,8 @@ def position(b: Batch, block: np.ndarray, axis_words: AxisWords) -> Places:
     words = itertools.chain(*axis_words.values())
     if not (len(block) or moves_without_words or any(map(len, words))):
         return p
+    if b.n == 1:  # of more blocks nothing is planned, and its columns can go
+        b.axes = axes
     axes.read(axis_words)
     axes.travel()
     axes.leave(p, block)
@@ -313,6 +315,12 @@ class _Axes:
             starts[:, 0] = self.b.state.position
         return starts
 
+    def again(self, block: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(A, N) start and target of the moving blocks and (A,) the position behind them, ticks, of
+        words that differ from those that were read by their places alone."""
+        self.travel()
+        return self._starts(block), self.position.take(block, axis=1), self.position[:, -1].copy()
+
     def write(self, p: Places, block: np.ndarray) -> None:
         """Fill `p` at the moving blocks."""
         state = self.b.state
@@ -376,7 +384,7 @@ def _due_of(axes: _Axes, letter: str, row: int) -> np.ndarray | None:
     carried = zero if frame.zeros[row] == UNSAID else frame.zeros[row]
     zero = zero + frame.trans[row] + frame.length[row]
     due: np.ndarray = zero - np.where(first, carried, zero[last])
-    if len(by):
+    if len(by) and frame.zeros[row] != zero[by[-1]]:
         mine = np.arange(len(frame.zeros)) == row
         b.frame = replace(frame, zeros=np.where(mine, zero[by[-1]], frame.zeros))
     if not np.count_nonzero(due):

@@ -51,3 +51,18 @@ def lose(b: Batch, letters: str) -> None:
     known = b.state.known.copy()
     known[[row for x, row in b.rows.items() if x in letters]] = False
     b.state = replace(b.state, known=known)
+
+
+def tool_in_use(b: Batch) -> int:
+    """The tool in the spindle behind the batch: the last T when M6 came, -1 before any."""
+    place, change = b.places.get("T"), b.places.get("M")
+    b.next_tool = b.state.next_tool if place is None else int(b.words.mantissa[place[-1]])
+    if change is None:
+        return b.state.tool_number
+    changes = change[(b.words.mantissa[change] == 6) & (b.words.decimals[change] == 0)]
+    if not len(changes):
+        return b.state.tool_number
+    if place is None:
+        return b.state.next_tool
+    called = place[b.words.block[place] <= b.words.block[changes[-1]]]
+    return int(b.words.mantissa[called[-1]]) if len(called) else b.state.next_tool

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from postproc.flags import any_of
-from postproc.nc.numbers import decimal_cells
+from postproc.nc.numbers import decimal_cells, decimal_text
 
+FEW = 32  # numbers that are written one by one
 PORTION = 4096  # runs of text put together at once: their indices stay in the cache
 
 
@@ -44,6 +45,13 @@ class Splice:
     ) -> None:
         """value / 10**decimals at each of (T,) places, after `prefix` (T, k) uint8, whose zeros are
         left out."""
+        if len(value) <= FEW:
+            texts = [*map(decimal_text, value.tolist(), decimals.tolist())]
+            if prefix is not None:
+                marks = (row.tobytes().replace(b"\0", b"") for row in prefix)
+                texts = [mark + text for mark, text in zip(marks, texts, strict=True)]
+            self.texts(start, stop, rank, texts)
+            return
         few = np.bincount(decimals).nonzero()[0].tolist()
         for d in few:
             of = slice(None) if len(few) == 1 else (decimals == d).nonzero()[0]

@@ -156,6 +156,24 @@ class ModalState:
     loose: tuple[str, ...] = ()
     offsets: dict[str, dict[str, float]] = field(default_factory=dict)
 
+    @cached_property
+    def modes(self) -> tuple[object, ...]:
+        """All but the position, to be compared with that of other states."""
+        columns = (self.known, self.origin, self.sent, self.changed)
+        return (
+            tuple(self.codes), tuple(self.codes.values()), self.tool,
+            self.feed if self.feed == self.feed else None, self.ended, self.renamed,
+            self.zero_known, self.frame, self.cycle, self.beside, self.tool_number, self.next_tool,
+            self.loose, repr(self.offsets) if self.offsets else "",
+            *(None if column is None else column.tobytes() for column in columns),
+        )  # fmt: skip
+
+    def at(self, position: np.ndarray) -> ModalState:
+        """The same modes at another position (A,), ticks."""
+        state = object.__new__(ModalState)
+        state.__dict__.update(self.__dict__, modes=self.modes, position=position)
+        return state
+
 
 def ticks_of(setup: Setup, place: dict[str, float]) -> np.ndarray:
     """(A,) ticks of mm by axis."""

@@ -64,18 +64,26 @@ class Writing:
         self.dialect, self.axes, self.state = dialect, axes, state
         self.w, self.m, self.p = words, motions, pieces
         self.splice = Splice(words.text)
-        self.first = begins(pieces.motion)
-        # every motion has a first piece: columns of these are columns of motions
-        self.begin = self.first.nonzero()[0]
-        self.final = np.empty(len(pieces), bool)
-        self.final[:-1], self.final[-1:] = self.first[1:], True
+        if len(pieces) == len(motions):
+            motions.recall(self, "one piece each", self._pieces)
+        else:
+            self._pieces()
         self.touched = np.zeros(len(motions), bool)
         self.byte = np.frombuffer(words.text + b"\0", np.uint8)
         self.bottom = state.bottom
+
+    def _pieces(self) -> None:
+        """What does not depend on where pieces lead."""
+        dialect, motions = self.dialect, self.m
+        self.first = begins(self.p.motion)
+        # every motion has a first piece: columns of these are columns of motions
+        self.begin = self.first.nonzero()[0]
+        self.final = np.empty(len(self.p), bool)
+        self.final[:-1], self.final[-1:] = self.first[1:], True
         # whether words may carry letters of other spellings
         self.spelled = dialect.grammar.is_respelled
         # whether any does
-        self.has_spelled = self.spelled and any_of(words.letter >= RELATIVE)
+        self.has_spelled = self.spelled and any_of(self.w.letter >= RELATIVE)
         self.names_code = ~self.first  # pieces whose block names its motion code
         self.several = ~(self.first & self.final)
         # numbers above 0 have their sign, and every block begins with its statement

@@ -119,7 +119,9 @@ def test_three_readings_tell_nothing_per_kelvin(number):
     n = np.arange(number, dtype=float)
     (result,) = of(recording(n, 600 * n, T_head_C=20 + 0.5 * n))
     assert not [p for p in result.parameters if p.name.startswith("per K")]
-    assert any("T_head_C" in text and "no coefficient per kelvin" in text for text in result.notices)
+    assert any(
+        "T_head_C" in text and "no coefficient per kelvin" in text for text in result.notices
+    )
 
 
 def test_the_device_that_is_said_gives_the_tilt_its_u(recwarn):

@@ -13,9 +13,9 @@ import re
 from collections.abc import Iterator
 
 from postproc.errors import ProgramError
+from postproc.nc.comments import COMMENTS
 from postproc.nc.expand import Limits, Line, Program, fault
 from postproc.nc.expand.tracker import Tracker
-from postproc.nc.lexer import COMMENTS
 
 HEAD = re.compile(rb"[ \t]*(?:/[ \t]*)?(?:N[ \t]*[0-9]+[ \t]*)?")
 ROUTINE = re.compile(rb"L[ \t]*([0-9]+)([0-9][0-9])[ \t\r]*")

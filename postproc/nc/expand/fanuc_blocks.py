@@ -18,10 +18,10 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import Any
 
+from postproc.nc.comments import COMMENTS
 from postproc.nc.expand import Refusal
 from postproc.nc.expand.fanuc_expressions import NUMBER, Formula, Reader
 from postproc.nc.expand.fanuc_words import Word
-from postproc.nc.lexer import COMMENTS
 
 # What a block must have to be more than a plain one. E N for END; O for GOTO, DO and O numbers; G20
 # and G21 change how numbers are written. It begins with one set of characters, because such a

@@ -10,8 +10,8 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
+from postproc.nc.comments import COMMENTS
 from postproc.nc.expand import Program
-from postproc.nc.lexer import COMMENTS
 
 FIRST = 900_000_000  # O numbers have eight digits at most
 HEAD = re.compile(rb"(?m)^[ \t]*<([^<>\n]{1,32})>(?=[ \t]*\r?$)")

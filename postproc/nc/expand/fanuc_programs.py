@@ -13,10 +13,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from postproc.errors import ProgramError
+from postproc.nc.comments import COMMENTS
 from postproc.nc.expand import Program, Refusal, fault
 from postproc.nc.expand.fanuc_blocks import DRAWS, LOOP, SPECIAL, Block, BlockReader, bare
 from postproc.nc.expand.fanuc_statements import parts
-from postproc.nc.lexer import COMMENTS
 
 # what makes a text one that must be executed: not O numbers, and not the end of the program
 MACRO = re.compile(

@@ -1,0 +1,126 @@
+"""What blocks have in common that their places alone tell apart.
+
+In a stream a line is mostly like others before it: the same letters in the same modes, other
+places. So what was worked out for a batch of one block is remembered by its letters, the values of
+those that name no axis, and the modes. Where the next one is like it, only its places are worked
+out, by the code that works them out for all (positions.py); every other column is the same.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.errors import Notice
+from postproc.flags import all_of
+from postproc.motions import FEED, RAPID, Motions
+from postproc.nc.state import ModalState
+from postproc.records import mutable, replace
+
+if TYPE_CHECKING:
+    from postproc.nc.batch import Batch
+    from postproc.nc.control import Control
+    from postproc.nc.lexer import Words
+
+MOST = 256  # plans that are kept
+LAST_LETTER = ord("Z")
+Key = tuple[object, ...]
+Followed = tuple[Motions, ModalState, list[Notice]]  # a batch's, the state behind it
+
+
+@mutable
+class Plan:
+    """A batch of one block, `block` (0 or 1,) whether it moves, its motions, and the state behind
+    it."""
+
+    b: Batch
+    block: np.ndarray
+    motions: Motions
+    after: ModalState
+
+    def of(self, words: Words, state: ModalState) -> Followed:
+        """Those of other words and another position. Raises BlockFault for a number beyond all
+        places."""
+        b = self.b
+        b.words, b.state = words, state
+        if b.axes is None:
+            return self.motions, self.after.at(state.position), []
+        start, target, position = b.axes.again(self.block)
+        motions = self.motions
+        if len(self.block):
+            motions = replace(motions, start=start, target=target)
+        return motions, self.after.at(position), []
+
+
+class Plans:
+    """The plans of one control, those that were asked for last."""
+
+    def __init__(self, control: Control):
+        self.by_key: dict[Key, Plan] = {}
+        # letters of a block to its words that name no axis; None: no block that is planned
+        self.others: dict[bytes, np.ndarray | None] = {}
+        self.free = {ord(x) for x in (*control.rows, *control.increment_rows, "N")}
+        d = control.dialect
+        counts = (control.setup.integers or d.integers) == "least increments"
+        # where X1 is not X1. a block without a point says more than its place
+        self.points = bool(counts or d.integer_notice or d.tool_offsets)
+        self.none = bool(d.conditions or d.grammar.klartext or d.grammar.checksums)
+
+    def key(self, words: Words, state: ModalState) -> Key | None:
+        """All by which a batch of one block is another than its places; None: none is planned."""
+        if words.blocks != 1 or self.none or words.fault is not None or state.ended:
+            return None
+        letters = words.letter.tobytes()
+        if letters not in self.others:
+            self._others(letters)
+        others = self.others[letters]
+        if others is None or words.skip[0] or words.within >= 0:
+            return None
+        if self.points and not all_of(words.pointed):
+            return None
+        if not len(others):
+            return letters, state.modes
+        values = words.mantissa.take(others).tobytes(), words.decimals.take(others).tobytes()
+        return letters, state.modes, *values
+
+    def _others(self, letters: bytes) -> None:
+        """Look them up once."""
+        if len(self.others) >= MOST:
+            self.others.clear()
+        others = [k for k, letter in enumerate(letters) if letter not in self.free]
+        plain = max(letters, default=0) <= LAST_LETTER
+        self.others[letters] = np.array(others, np.int64) if plain else None
+
+    def get(self, key: Key) -> Plan | None:
+        plan = self.by_key.pop(key, None)
+        if plan is not None:  # it is the last one that was asked for
+            self.by_key[key] = plan
+        return plan
+
+    def remember(self, key: Key, b: Batch, state: ModalState, found: Followed) -> Followed:
+        """Make a plan of a batch that began in a state, where its places say nothing else. What was
+        found; its motions then know those that are like them."""
+        motions, after, notices = found
+        if notices or b.state is not state or not _places_alone(b, motions, after):
+            return found
+        while len(self.by_key) >= MOST:
+            del self.by_key[next(iter(self.by_key))]
+        motions = replace(motions, alike={})
+        self.by_key[key] = Plan(b=b, block=motions.block, motions=motions, after=after)
+        return motions, after, notices
+
+
+def _places_alone(b: Batch, m: Motions, after: ModalState) -> bool:
+    """Whether nothing but start, target and position of a batch depends on where its axes go: all
+    known lines, outside cycles and cutter radius compensation, where no coordinates are shifted."""
+    frame, before, axes = b.frame, b.state, b.axes
+    special = (b.polar, b.loose, before.loose, b.cycle, before.cycle, b.ended, len(m.presets))
+    shifted = frame is not before.frame or after.offsets is not before.offsets
+    beside = b.beside is not before.beside or b.beside.on or np.count_nonzero(m.cutter) > 0
+    if any(special) or shifted or beside or frame.space is not None or len(b.reasons) > 1:
+        return False
+    if axes is not None and (axes.forgets or axes.sends or axes.held):
+        return False
+    known = all_of(before.known) and all_of(after.known)
+    return known and all_of((m.code == RAPID) | (m.code == FEED))
