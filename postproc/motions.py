@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import field
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -320,7 +321,7 @@ def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
         reasons += part.reasons[1:]
         spaces += part.spaces[1:]
 
-    def joined(kind: type) -> dict[str, np.ndarray]:
+    def joined(kind: type) -> dict[str, Any]:
         return {n: np.concatenate(c, axis=-1) for (k, n), c in columns.items() if k is kind}
 
     return Motions(
