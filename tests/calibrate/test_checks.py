@@ -310,7 +310,7 @@ def test_what_is_within_the_scatter_is_left_out():
     assert "EXZ" in calibrate(clean(axis=axis), replace(OPTIONS, keep_all=True)).components
     poor = [replace(p, head=p.head | {"u_um": 5.0}) if p.file == "EZZ.csv" else p for p in clean()]
     assert [(c.name, why) for c, why in calibrate(poor, OPTIONS).left_out] == [("EZZ", "range")]
-    with pytest.raises(CalibrationError, match="no component stands out"):
+    with pytest.raises(CalibrationError, match="no component exceeds its uncertainty"):
         calibrate([p for p in clean(axis=axis) if p.file == "EXZ.csv"], OPTIONS)
 
 
