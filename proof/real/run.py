@@ -87,16 +87,14 @@ def diagnose(job: Job, machine: Path, folder: Path, step: int) -> dict[str, Any]
     gcomp(*call)
     answer = json.loads((folder / files["--json"]).read_text(encoding="utf-8"))
     # What is not told apart, or does not predict targets between, is written only when it is asked
-    # for: here it is.
+    # for: here it is. Of an instrument, or of forces, nothing is written.
     names = [
-        f"{e['effect']}:{e['axis'] or ''}" for e in answer["effects"] if e["status"] == "accepted"
+        f"{e['effect']}:{e['axis'] or ''}"
+        for e in answer["effects"]
+        if e["status"] == "accepted" and e["kind"] == "machine" and "signal" not in e
     ]
-    for name in names if step == 1 else ():
-        try:
-            gcomp(*call, "--accept", name)
-        except Refused:
-            continue  # of an instrument, or of forces: nothing that is written
-        call += ["--accept", name]
+    if step == 1 and names:
+        gcomp(*call, *(word for name in names for word in ("--accept", name)))
     return json.loads((folder / files["--json"]).read_text(encoding="utf-8"))
 
 

@@ -17,6 +17,7 @@ BY_NAME = {c.name: c for c in cases.CASES}
 NAMED = (
     "ecmc-1050",
     "ecmc-1345",
+    "ecmc-1345-travel",
     "chamber-z",
     "studer-x",
     "studer-z",
