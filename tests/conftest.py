@@ -32,8 +32,7 @@ settings.load_profile("new" if os.environ.get("GCOMP_FUZZ") else "same")
 
 @pytest.hookimpl(optionalhook=True)  # without pytest-xdist nobody asks
 def pytest_xdist_auto_num_workers(config):
-    """One more than there are processors: one of them waits. With two more the tests took 640 s
-    where it had been 660, and readers of ports stood still for 2.7 s (tests/streaming)."""
+    """One more than there are processors: one of them waits."""
     return (os.cpu_count() or 1) + 1
 
 
