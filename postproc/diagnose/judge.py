@@ -56,7 +56,7 @@ def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
     found = [*_left(d, sets, state, said), *_unpredicted(d, sets)]
     found += [*_autocorrelated(sets, state, said, rest), *_scattered(d, sets, said, rest)]
     found += _located(d, sets) + _far_off(sets, said, rest)
-    left = sorted(found + _swaying(d, sets, said, rest), reverse=True)
+    left = sorted(found + _scattered_samples(d, sets, said, rest), reverse=True)
     parts = [part.whole.rows for part in sets.evidence.parts]
     for f in d.findings:
         sizes = [_size(f.contribution[own]) for own in parts]
@@ -218,11 +218,11 @@ def _scattered(
     return found
 
 
-def _swaying(
+def _scattered_samples(
     d: Diagnosis, sets: Sets, said: Said, rest: np.ndarray
 ) -> list[tuple[float, float, int]]:
-    """The same of units of samples of motions. These scatter by their moments too, which is no
-    reason to doubt a name."""
+    """The same of units of samples of motions, by the standard deviation of the rest (N,) mm. These
+    scatter by the moments at which they were taken too, which is no reason to doubt a name."""
     found = []
     for unit, part in enumerate(sets.evidence.parts):
         own, least, rms = part.unit.rows, _least(part.unit), float(np.std(rest[part.unit.rows]))

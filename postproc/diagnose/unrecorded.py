@@ -72,7 +72,8 @@ def names(rows: Rows, block: Block, contribution: np.ndarray) -> list[str]:
 
 
 def _straight(rows: Rows, axis: str, contribution: np.ndarray) -> bool:
-    """Whether a line over the place, as a length that is wrong makes it, takes most of it."""
+    """Whether a line over the place, as a length that is wrong makes it, takes most of the squares
+    of a contribution (N,) mm."""
     own = contribution != 0
     place, value = rows.state.position[axis][own], contribution[own] - contribution[own].mean()
     line = np.column_stack([np.ones(len(place)), place - place.mean()])

@@ -63,7 +63,7 @@ class Plans:
         self.free = {ord(x) for x in (*control.rows, *control.increment_rows, "N")}
         d = control.dialect
         counts = (control.setup.integers or d.integers) == "least increments"
-        # where X1 is not X1. a block without a point says more than its place
+        # where X1 and X1. differ, a block without a point says more than its place
         self.points = bool(counts or d.integer_notice or d.tool_offsets)
         self.none = bool(d.conditions or d.grammar.klartext or d.grammar.checksums)
 
@@ -85,7 +85,7 @@ class Plans:
         return letters, state.modes, *values
 
     def _others(self, letters: bytes) -> None:
-        """Look them up once."""
+        """Keep which words of a block of these letters name no axis."""
         if len(self.others) >= MOST:
             self.others.clear()
         others = [k for k, letter in enumerate(letters) if letter not in self.free]

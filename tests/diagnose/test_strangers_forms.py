@@ -253,6 +253,14 @@ def test_bursts_that_come_and_go_are_unknown(tmp_path):
     assert answer["verdict"] == "unknown" and answer["unknown"]
 
 
+@pytest.mark.parametrize("noise_um, verdict", [(1.0, "nothing-left-out"), (2.5, "unknown")])
+def test_samples_that_scatter_more_than_logs_do_are_unknown(tmp_path, noise_um, verdict):
+    """White, with no form that a name could have, and nothing stated of a reading: more than 1.5 um
+    is no order of a log, whatever it is."""
+    answer = diagnosed(tmp_path, log(lambda t, x: 0.0 * t, rate_hz=70.0, noise_um=noise_um))
+    assert names(answer) == [] and answer["verdict"] == verdict
+
+
 def test_a_control_that_overcompensates_is_plain_lost_motion(tmp_path):
     """The slide leads by 3.5 um behind every turn: negative, and the same everywhere."""
     rng = np.random.default_rng(4)
