@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from pathlib import Path
 
 import numpy as np
@@ -87,6 +88,35 @@ def test_what_is_remembered_changes_nothing(mills, dialect, lines):
 def test_nor_on_a_lathe_with_increments(lines):
     text = LATHE + 2 * ("\n".join(x for x in lines if "Y" not in x) + "\n").encode()
     check(STUDER, "fanuc-lathe", text)
+
+
+SAFE = (
+    "X{0}", "X{0} Y{1}", "X{0}Y{1}Z{0}", "G1 X{0} Y{1}", "G0 X{0} Y{1}", "N{2} X{0}", "F{2}00",
+    "G1 Y{1} F{2}00", "G0", "G1", "G91", "G90", "G90 X{0}", "G20", "G21", "M8", "M9", "(none)",
+    "G4 P.{2}", "G54", "G55", "S{2}00 M3", "G90 G21 G54", "G49", "G17", "G40", "G92 X{0}",
+    "G92.1", "/X{0}", "T{2}",
+)  # fmt: skip
+
+
+def drawn(rng: random.Random, words: tuple[str, ...]) -> bytes:
+    """Twelve times five lines of few kinds, each time from one place and with the modes of HEAD."""
+    text = HEAD.decode()
+    for _ in range(12):
+        text += "G21 G90 G54 G1 G49 G92.1 X10. Y10. Z30. F900\n"
+        few = rng.sample(words, 3)
+        for _ in range(5):
+            x, y = (f"{rng.randint(10, 13) / 10:.1f}" for _ in "XY")
+            text += rng.choice(few).format(x, y, rng.randint(1, 3)) + "\n"
+    return text.encode()
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_programs_of_few_kinds_of_lines_are_what_they_are_without_plans(mills, seed):
+    """Hypothesis' programs are short, and end at the first line that is refused: these go on."""
+    text = drawn(random.Random(seed), SAFE)
+    check(mills[seed % 2], "linuxcnc", text)
+    lines = text.splitlines(keepends=True)
+    assert not outcome(filter_of(mills[seed % 2], "linuxcnc"), lines)[1]
 
 
 def batches(monkeypatch, machine, lines: list[bytes]) -> int:
