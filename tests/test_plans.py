@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from postproc.compensate.columns import Columns
 from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
@@ -146,6 +147,17 @@ def batches(monkeypatch, machine, lines: list[bytes]) -> int:
 def test_a_line_like_one_before_is_worked_out_once(monkeypatch, mills, line, most):
     text = b"".join(line % (k % 9, k % 8, k % 7) for k in range(40))
     assert batches(monkeypatch, mills[0], text.splitlines(keepends=True)) <= most
+
+
+def test_so_is_what_its_strokes_are(monkeypatch, mills):
+    made = []
+    monkeypatch.setattr(Columns, "_whole", lambda b, whole=Columns._whole: made.append(whole(b)))
+    filter_ = filter_of(mills[0], "linuxcnc")
+    filter_.feed(HEAD)
+    made.clear()
+    for k in range(9):
+        filter_.feed(b"X1%d.\n" % k)
+    assert len(made) == 1
 
 
 def test_other_values_than_places_are_other_plans(monkeypatch, mills):

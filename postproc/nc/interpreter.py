@@ -107,7 +107,7 @@ class Interpreter(Control):
         if len(cuts) <= 2:
             b = Batch(self, words, state, coded)
             found = follow(b)
-            return found if key is None else self.plans.remember(key, b, state, found)
+            return found if key is None else self.plans.remember(key, b, found)
         parts, blocks, starts = [], [], []
         notices: list[Notice] = []
         for first, stop in itertools.pairwise(cuts):

@@ -65,11 +65,11 @@ class Plans:
         counts = (control.setup.integers or d.integers) == "least increments"
         # where X1 and X1. differ, a block without a point says more than its place
         self.points = bool(counts or d.integer_notice or d.tool_offsets)
-        self.none = bool(d.conditions or d.grammar.klartext or d.grammar.checksums)
+        self.none = d.conditions  # these hang on how far a line is indented
 
     def key(self, words: Words, state: ModalState) -> Key | None:
         """All by which a batch of one block is another than its places; None: none is planned."""
-        if words.blocks != 1 or self.none or words.fault is not None or state.ended:
+        if words.blocks != 1 or self.none:
             return None
         letters = words.letter.tobytes()
         if letters not in self.others:
@@ -89,6 +89,8 @@ class Plans:
         if len(self.others) >= MOST:
             self.others.clear()
         others = [k for k, letter in enumerate(letters) if letter not in self.free]
+        # the others stand for texts, of which a key says nothing; what would differ by these is
+        # guarded elsewhere today
         plain = max(letters, default=0) <= LAST_LETTER
         self.others[letters] = np.array(others, np.int64) if plain else None
 
@@ -98,11 +100,11 @@ class Plans:
             self.by_key[key] = plan
         return plan
 
-    def remember(self, key: Key, b: Batch, state: ModalState, found: Followed) -> Followed:
-        """Make a plan of a batch that began in a state, where its places say nothing else. What was
-        found; its motions then know those that are like them."""
+    def remember(self, key: Key, b: Batch, found: Followed) -> Followed:
+        """Make a plan of a batch, where its places say nothing else. What was found; its motions
+        then know those that are like them."""
         motions, after, notices = found
-        if notices or b.state is not state or not _places_alone(b, motions, after):
+        if notices or not _places_alone(b, motions, after):
             return found
         while len(self.by_key) >= MOST:
             del self.by_key[next(iter(self.by_key))]
@@ -112,15 +114,18 @@ class Plans:
 
 
 def _places_alone(b: Batch, m: Motions, after: ModalState) -> bool:
-    """Whether nothing but start, target and position of a batch depends on where its axes go: all
-    known lines, outside cycles and cutter radius compensation, where no coordinates are shifted."""
-    frame, before, axes = b.frame, b.state, b.axes
-    special = (b.polar, b.loose, before.loose, b.cycle, before.cycle, b.ended, len(m.presets))
-    shifted = frame is not before.frame or after.offsets is not before.offsets
-    beside = b.beside is not before.beside or b.beside.on or np.count_nonzero(m.cutter) > 0
-    if any(special) or shifted or beside or frame.space is not None or len(b.reasons) > 1:
+    """Whether nothing but start, target and position of a batch depends on where its axes go, or
+    stand: lines and feeds outside cycles, cutter radius compensation, tilted planes and tool point
+    control, that shift no coordinates and that no tool change and no reference point comes with.
+
+    Which places are known, and what is refused, say the names of axes and the modes alone.
+    """
+    before, axes = b.state, b.axes
+    shifts = b.frame is not before.frame or after.offsets is not before.offsets
+    # within G41 G42, and where they begin and end, every batch makes another one
+    beside = b.beside is not before.beside
+    if shifts or beside or b.frame.space is not None or b.cycle is not None:
         return False
-    if axes is not None and (axes.forgets or axes.sends or axes.held):
+    if axes is not None and (axes.forgets or axes.held):
         return False
-    known = all_of(before.known) and all_of(after.known)
-    return known and all_of((m.code == RAPID) | (m.code == FEED))
+    return all_of((m.code == RAPID) | (m.code == FEED))
