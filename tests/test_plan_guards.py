@@ -111,8 +111,8 @@ def told(thing: object) -> object:
     return repr(thing)
 
 
-def other_place(state: ModalState) -> ModalState:
-    return state.at(state.position + TICKS_PER_MM)
+def elsewhere(state: ModalState) -> ModalState:
+    return state.at(state.position + TICKS_PER_MM, state.feed / 2)
 
 
 # fmt: off
@@ -121,7 +121,10 @@ ONCE_MORE = {
     "G92": ("mill", "linuxcnc", MILL, "G92 X5.", "G92 X7."),
     "G43.1": ("mill", "linuxcnc", MILL, "G43.1 Z5.", "G43.1 Z7."),
     "a notice": ("mill", "linuxcnc", MILL, "M77", "M77"),
-    "F": ("mill", "linuxcnc", MILL, "F100", "F200"),
+    "F": ("mill", "linuxcnc", MILL, "F100", "F20.5"),
+    "F of a motion": ("mill", "linuxcnc", MILL, "X13. F100", "X14. F20.5"),
+    "F before it": ("mill", "linuxcnc", MILL, "X13.", "X14."),
+    "a dwell": ("mill", "linuxcnc", MILL, "G4 P1", "G4 P.5"),
     "a tilted plane": ("example-five-axis", "fanuc-mill", TILTED, "X6.", "X7."),
     "a reference point": ("mill", "linuxcnc", MILL, "G28 X3.", "G28 X4."),
     "an axis at no known place": ("mill", "linuxcnc", "G21 G90 G54 F900|G1 X3. Y4.", "X3.", "X5."),
@@ -131,7 +134,7 @@ ONCE_MORE = {
 @pytest.mark.parametrize("name", ONCE_MORE)
 def test_a_line_says_what_it_says_whatever_was_run_before(machines, name):
     """An interpreter holds no state: what it makes of a line hangs on the state it is given, also
-    on one that comes back at another place, which no program may bring about."""
+    on one that comes back elsewhere, which no program may bring about."""
     which, dialect, before, line, like_it = ONCE_MORE[name]
     filter_ = filter_of(machines[which], dialect)
     setup = replace(filter_.setup, home=dict.fromkeys(machines[which].letters, 1.0))
@@ -141,6 +144,6 @@ def test_a_line_says_what_it_says_whatever_was_run_before(machines, name):
     for part in blocks(before):
         state = one.run(lex(part, filter_.dialect.grammar), state)[1]
     one.run(lex(line.encode(), filter_.dialect.grammar), state)
-    for place in (state, other_place(state)):
+    for place in (state, elsewhere(state)):
         words = [lex(like_it.encode(), filter_.dialect.grammar) for _ in range(2)]
         assert told(one.run(words[0], place)) == told(new.run(words[1], place))

@@ -161,8 +161,14 @@ def test_so_is_what_its_strokes_are(monkeypatch, mills):
 
 
 def test_other_values_than_places_are_other_plans(monkeypatch, mills):
-    lines = [b"G1 X%d. F%d00\n" % (k % 5, k + 1) for k in range(9)]
+    lines = [b"G1 X%d. S%d00\n" % (k % 5, k + 1) for k in range(9)]
     assert batches(monkeypatch, mills[0], lines) == len(lines)
+
+
+@pytest.mark.parametrize("line", [b"G1 X%d. F%d00\n", b"X%d.\nF%d00\n", b"X%d.\nN5 G4 P.%d\n"])
+def test_another_feed_or_dwell_is_no_other_plan(monkeypatch, mills, line):
+    text = b"".join(line % (k % 5, k + 1) for k in range(9))
+    assert batches(monkeypatch, mills[0], text.splitlines(keepends=True)) <= 4
 
 
 def test_little_is_kept(monkeypatch, mills):
@@ -172,7 +178,7 @@ def test_little_is_kept(monkeypatch, mills):
     filter_.dialect = replace(filter_.dialect, grammar=Grammar())
     filter_.feed(HEAD)
     for k in range(12):
-        filter_.feed(b"X%d. F%d00 %s\n" % (k, k, b" " * k))
+        filter_.feed(b"X%d. S%d00 %s\n" % (k, k, b" " * k))
     assert len(filter_.interpreter.plans.by_key) <= 3
     assert len(filter_.dialect.grammar.shapes) <= 4
 

@@ -83,6 +83,7 @@ class Batch:
         # (A, B) or (A, 1) ticks, zero of absolute words
         self.offset = np.zeros((len(self.rows), 1), np.int64)
         self.tool, self.feed, self.renamed = state.tool, state.feed, state.renamed
+        self.feed_words = NO_WORDS  # the words that say an F
         self.tool_after, self.next_tool = state.tool, state.next_tool
         self.beside = state.beside
         # block and number of tools that no table states

@@ -272,14 +272,15 @@ def single_codes(b: Batch, axis_words: AxisWords) -> None:
 
 
 def _feeds(b: Batch) -> tuple[np.ndarray, np.ndarray]:
-    """(B,) F that holds in each block, and (B,) its F word, -1: none. Sets `b.feed`."""
+    """(B,) F that holds in each block, and (B,) its F word, -1: none. Sets `b.feed`
+    and `b.feed_words`."""
     place = b.once("F")
     if "F" in b.dialect.dwell and 40 in b.single:  # there F is the time of a dwell
         place = place[~np.isin(b.words.block[place], b.single[40])]
     feed, word = np.empty(b.n), np.empty(b.n, np.int64)
     word.fill(-1)
     unknown_feed = b.places.get(chr(UNKNOWN_FEED))
-    b.feed = b.state.feed
+    b.feed, b.feed_words = b.state.feed, place
     if not len(place) and unknown_feed is None:
         feed.fill(b.feed)
         return feed, word

@@ -2,8 +2,9 @@
 
 In a stream a line is mostly like others before it: the same letters in the same modes, other
 places. So what was worked out for a batch of one block is remembered by its letters, the values of
-those that name no axis, and the modes. Where the next one is like it, only its places are worked
-out, by the code that works them out for all (positions.py); every other column is the same.
+those that name no axis, and the modes. Where the next one is like it, only its places and F are
+worked out, the places by the code that works them out for all (positions.py); every other column is
+the same.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 MOST = 256  # plans that are kept
 LAST_LETTER = ord("Z")
+DWELL, TIMED = 4, [*b"GP"]  # G4, whose P says how long it lasts
 Key = tuple[object, ...]
 Followed = tuple[Motions, ModalState, list[Notice]]  # a batch's, the state behind it
 
@@ -40,17 +42,21 @@ class Plan:
     after: ModalState
 
     def of(self, words: Words, state: ModalState) -> Followed:
-        """Those of other words and another position. Raises BlockFault for a number beyond all
-        places."""
-        b = self.b
+        """Those of other words, another position and another F. Raises BlockFault for a number
+        beyond all places."""
+        b, feed = self.b, state.feed
         b.words, b.state = words, state
+        if len(b.feed_words):
+            feed = float(b.numbers(b.feed_words)[-1])
         if b.axes is None:
-            return self.motions, self.after.at(state.position), []
+            return self.motions, self.after.at(state.position, feed), []
         start, target, position = b.axes.again(self.block)
         motions = self.motions
         if len(self.block):
-            motions = replace(motions, start=start, target=target)
-        return motions, self.after.at(position), []
+            feeds = np.empty(len(self.block))
+            feeds.fill(feed)
+            motions = replace(motions, start=start, target=target, feed=feeds)
+        return motions, self.after.at(position, feed), []
 
 
 class Plans:
@@ -58,9 +64,10 @@ class Plans:
 
     def __init__(self, control: Control):
         self.by_key: dict[Key, Plan] = {}
-        # letters of a block to its words that name no axis; None: no block that is planned
-        self.others: dict[bytes, np.ndarray | None] = {}
-        self.free = {ord(x) for x in (*control.rows, *control.increment_rows, "N")}
+        # letters of a block to its words that name no axis, nor F, and those of them that count if
+        # it is a dwell; None: no block that is planned
+        self.others: dict[bytes, tuple[np.ndarray, np.ndarray] | None] = {}
+        self.free = {ord(x) for x in (*control.rows, *control.increment_rows, "F", "N")}
         d = control.dialect
         counts = (control.setup.integers or d.integers) == "least increments"
         # where X1 and X1. differ, a block without a point says more than its place
@@ -74,25 +81,33 @@ class Plans:
         letters = words.letter.tobytes()
         if letters not in self.others:
             self._others(letters)
-        others = self.others[letters]
-        if others is None or words.skip[0] or words.within >= 0:
+        found = self.others[letters]
+        if found is None or words.skip[0] or words.within >= 0:
             return None
         if self.points and not all_of(words.pointed):
             return None
+        others, dwell = found
+        for k in dwell[:1]:
+            if words.mantissa[k] == DWELL and not words.decimals[k]:
+                others = dwell
         if not len(others):
             return letters, state.modes
         values = words.mantissa.take(others).tobytes(), words.decimals.take(others).tobytes()
         return letters, state.modes, *values
 
     def _others(self, letters: bytes) -> None:
-        """Keep which words of a block of these letters name no axis."""
+        """Keep which words of a block of these letters count."""
         if len(self.others) >= MOST:
             self.others.clear()
+        # letters beyond Z stand for texts, of which a key says nothing; what would differ by these
+        # is guarded elsewhere today
+        if max(letters, default=0) > LAST_LETTER:
+            self.others[letters] = None
+            return
         others = [k for k, letter in enumerate(letters) if letter not in self.free]
-        # the others stand for texts, of which a key says nothing; what would differ by these is
-        # guarded elsewhere today
-        plain = max(letters, default=0) <= LAST_LETTER
-        self.others[letters] = np.array(others, np.int64) if plain else None
+        of = bytes(letters[k] for k in others)
+        dwell = [k for k in others if letters[k] == ord("G")] if sorted(of) == TIMED else []
+        self.others[letters] = np.array(others, np.int64), np.array(dwell, np.int64)
 
     def get(self, key: Key) -> Plan | None:
         plan = self.by_key.pop(key, None)

@@ -158,20 +158,19 @@ class ModalState:
 
     @cached_property
     def modes(self) -> tuple[object, ...]:
-        """All but the position, to be compared with that of other states."""
+        """All but the position and F, to be compared with that of other states."""
         columns = (self.known, self.origin, self.sent, self.changed)
         return (
-            tuple(self.codes), tuple(self.codes.values()), self.tool,
-            self.feed if self.feed == self.feed else None, self.ended, self.renamed,
+            tuple(self.codes), tuple(self.codes.values()), self.tool, self.ended, self.renamed,
             self.zero_known, self.frame, self.cycle, self.beside, self.tool_number, self.next_tool,
             self.loose, repr(self.offsets) if self.offsets else "",
             *(None if column is None else column.tobytes() for column in columns),
         )  # fmt: skip
 
-    def at(self, position: np.ndarray) -> ModalState:
-        """The same modes at another position (A,), ticks."""
+    def at(self, position: np.ndarray, feed: float) -> ModalState:
+        """The same modes at another position (A,), ticks, and another F."""
         state = object.__new__(ModalState)
-        state.__dict__.update(self.__dict__, modes=self.modes, position=position)
+        state.__dict__.update(self.__dict__, modes=self.modes, position=position, feed=feed)
         return state
 
 
