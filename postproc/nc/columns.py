@@ -4,13 +4,15 @@ stay a number."""
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from postproc.flags import any_of
 from postproc.nc.state import NONE
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 
 def at(column: Any, index: np.ndarray) -> Any:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from numpy.typing import ArrayLike
 
 from postproc.flags import any_of
 from postproc.nc.numbers import decimal_cells, decimal_text
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 FEW = 32  # numbers that are written one by one
 PORTION = 4096  # runs of text put together at once: their indices stay in the cache
