@@ -120,7 +120,7 @@ def test_programs_of_few_kinds_of_lines_are_what_they_are_without_plans(mills, s
     assert not outcome(filter_of(mills[seed % 2], "linuxcnc"), lines)[1]
 
 
-def batches(monkeypatch, machine, lines: list[bytes]) -> int:
+def batches(monkeypatch, machine, lines: list[bytes], dialect: str = "linuxcnc") -> int:
     """How many of lines are worked out from the start."""
     made = []
 
@@ -130,7 +130,7 @@ def batches(monkeypatch, machine, lines: list[bytes]) -> int:
             super().__init__(*arguments)
 
     monkeypatch.setattr(interpreter, "Batch", Counted)
-    filter_ = filter_of(machine, "linuxcnc")
+    filter_ = filter_of(machine, dialect)
     filter_.feed(HEAD)
     made.clear()
     for line in lines:
@@ -169,6 +169,12 @@ def test_other_values_than_places_are_other_plans(monkeypatch, mills):
 def test_another_feed_or_dwell_is_no_other_plan(monkeypatch, mills, line):
     text = b"".join(line % (k % 5, k + 1) for k in range(9))
     assert batches(monkeypatch, mills[0], text.splitlines(keepends=True)) <= 4
+
+
+@pytest.mark.parametrize("dialect", ["fanuc-mill", "haas"])
+def test_the_point_of_a_place_is_asked_for_and_no_other(monkeypatch, mills, dialect):
+    lines = [b"N%d G1 X1%d. Y2. F900\n" % (k, k) for k in range(9)]
+    assert batches(monkeypatch, mills[0], lines, dialect) == 1
 
 
 def test_little_is_kept(monkeypatch, mills):

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 MOST = 256  # plans that are kept
 LAST_LETTER = ord("Z")
+WHOLE = b"DFGHLMNOPQS"  # letters whose numbers mean the same with a point and without
 DWELL, TIMED = 4, [*b"GP"]  # G4, whose P says how long it lasts
 Key = tuple[object, ...]
 Followed = tuple[Motions, ModalState, list[Notice]]  # a batch's, the state behind it
@@ -64,14 +65,17 @@ class Plans:
 
     def __init__(self, control: Control):
         self.by_key: dict[Key, Plan] = {}
-        # letters of a block to its words that name no axis, nor F, and those of them that count if
-        # it is a dwell; None: no block that is planned
-        self.others: dict[bytes, tuple[np.ndarray, np.ndarray] | None] = {}
-        self.free = {ord(x) for x in (*control.rows, *control.increment_rows, "F", "N")}
+        # letters of a block to its words that name no axis, nor F, those of them that count if it
+        # is a dwell, and those that must have a point; None: no block that is planned
+        self.others: dict[bytes, tuple[np.ndarray, np.ndarray, np.ndarray] | None] = {}
+        axes = (*control.rows, *control.increment_rows)
+        self.free = {ord(x) for x in (*axes, "F", "N")}
         d = control.dialect
         counts = (control.setup.integers or d.integers) == "least increments"
-        # where X1 and X1. differ, a block without a point says more than its place
-        self.points = bool(counts or d.integer_notice or d.tool_offsets)
+        # where X1 and X1. differ, a word without a point says more than its place; T1100 and T01100
+        # may be two tools
+        points = bool(counts or d.integer_notice or d.tool_offsets)
+        self.whole = set(WHOLE) - {ord(x) for x in axes} if points else set(range(LAST_LETTER + 1))
         self.none = d.conditions  # these hang on how far a line is indented
 
     def key(self, words: Words, state: ModalState) -> Key | None:
@@ -84,9 +88,9 @@ class Plans:
         found = self.others[letters]
         if found is None or words.skip[0] or words.within >= 0:
             return None
-        if self.points and not all_of(words.pointed):
+        others, dwell, pointed = found
+        if len(pointed) and not all_of(words.pointed.take(pointed)):
             return None
-        others, dwell = found
         for k in dwell[:1]:
             if words.mantissa[k] == DWELL and not words.decimals[k]:
                 others = dwell
@@ -107,7 +111,9 @@ class Plans:
         others = [k for k, letter in enumerate(letters) if letter not in self.free]
         of = bytes(letters[k] for k in others)
         dwell = [k for k in others if letters[k] == ord("G")] if sorted(of) == TIMED else []
-        self.others[letters] = np.array(others, np.int64), np.array(dwell, np.int64)
+        pointed = [k for k, letter in enumerate(letters) if letter not in self.whole]
+        first, second, third = (np.array(x, np.int64) for x in (others, dwell, pointed))
+        self.others[letters] = first, second, third
 
     def get(self, key: Key) -> Plan | None:
         plan = self.by_key.pop(key, None)
