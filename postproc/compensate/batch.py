@@ -249,16 +249,13 @@ class Batch(Columns):
         free, known = self.moved, self.known_before
         held = np.logical_or.reduce(self.travel == 0, axis=1)
         self.leash = cutter.leash(self) if self.inside else None
-        unknown = not self.every and (
-            np.count_nonzero(~known) or np.count_nonzero(~self.correctable)
-        )
+        unknown = not self.every and not (all_of(known) and all_of(self.correctable))
         moved = any_of(self.turning) or any_of(self.left)
         if not (unknown or moved or held[self.rows].any() or self.leash is not None):
             self.begin = self.before
             return
         code = self.code
-        # In a rapid the axes that rest may be left beside their places by all of the tolerance
-        # together.
+        # In a rapid axes that rest may be left beside their places by all of the tolerance.
         resting = np.maximum((self.travel[self.rows] == 0).sum(axis=0), 1)
         self.hold = (
             np.where(code == RAPID, self.c.inner / np.sqrt(resting), self.c.hold) * TICKS_PER_MM
@@ -274,16 +271,18 @@ class Batch(Columns):
             end = self.end[row]
             if row in self.rows and (held[row] or self.left[row].any() or self.leash is not None):
                 rests = (self.travel[row] == 0) & free & known & (self.sure | self.turning)
-                rests[self.hole[self.m.holes.axis == row]] = False  # it goes down, and back to R
+                if len(self.m.holes):  # it goes down, and back to R
+                    rests[self.hole[self.m.holes.axis == row]] = False
                 if self.leash is not None:
                     rests |= (self.leash[row] < cutter.FREELY) & free & known
                 still = (rests | self.left[row]).nonzero()[0]
                 end[still] = self._held(row, still, end)
             before = self.before[row]
             before[0], before[1:] = self.carry.issued[row], end[:-1]
-            stood = (self.m.start_known[row].take(self.motion) & ~self.jumps[row]) | (self.t0 > 0)
-            if not all_of(stood):
-                before[~stood] = self._nominal_begin(row)[~stood]
+            if not self.every or self.leaps:
+                lost = ~self.m.start_known[row].take(self.motion) | self.jumps[row]
+                lost &= self.t0 == 0
+                before[lost] = self._nominal_begin(row)[lost]
             self.begin[row] = before
             if any_of(self.turning):
                 taken = self._taken_up(row, before)
@@ -300,11 +299,13 @@ class Batch(Columns):
     def _held(self, row: int, still: np.ndarray, end: np.ndarray) -> np.ndarray:
         """(K,) ticks at which strokes `still` end, one after the other, since each rests where the
         one before left it."""
-        jumped, turning = self.jumps[row, still], self.turning[still]
+        turning = self.turning[still]
         before = np.where(still > 0, end[still - 1], self.carry.issued[row])
-        before = np.where(jumped, self.m.start[row, self.motion[still]], before)
-        onward = ~jumped
-        onward[:1] = False
+        onward = still > still[:1]
+        if self.leaps:
+            jumped = self.jumps[row, still]
+            before = np.where(jumped, self.m.start[row, self.motion[still]], before)
+            onward &= ~jumped
         onward[1:] &= still[1:] == still[:-1] + 1
         exact, hold = self.exact[row, still] * TICKS_PER_MM, self.hold[still]
         stays = self.left[row, still]
@@ -358,12 +359,11 @@ class Batch(Columns):
         if len(at):
             play = self.machine.lost_motion(self.begin.take(at, axis=1) / TICKS_PER_MM, rows)
             beyond = rests.take(at, axis=1) & (play < -self.c.chord)
-            sides[:, at] = np.where(beyond, self.weight_begin[rows[:, None], at], 0)
+            if any_of(beyond):
+                sides[:, at] = np.where(beyond, self.weight_begin[rows[:, None], at], 0)
         twice = self.twice.take(rows, axis=0) & cutting
-        ways = (
-            (self.begin - self.before).take(rows, axis=0),
-            (self.end - self.begin).take(rows, axis=0),
-        )
+        first, then = self.begin - self.before, self.end - self.begin
+        ways = first.take(rows, axis=0), then.take(rows, axis=0)
         self.way = self.carry.way.copy()
         if not (np.count_nonzero(sides) or np.count_nonzero(twice)):
             self.way[rows] = last_way(*ways, self.way[rows])
