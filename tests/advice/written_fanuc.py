@@ -95,8 +95,8 @@ TURNING = [
     lathe(
         "G71 U2. R1.|G71 P10 Q30|N10 G0 X40.|N20 G1 Z-5. F.1", ROUGH + "N10 G0 X40.|N20 G1 Z-5. F.1"
     ),
-    lathe("G75 F.1|G0 Z9.", "G75 X50. Z-5. P1000 Q1000 F.1|G0 Z9."),
-    lathe("G75 X50. P1000 R.2 F.1", "G75 X50. Z-5. P1000 Q1000 R.2 F.1"),
+    lathe("G75 F.1|G0 Z9.", "G75 X50. Z-5. P5000 Q5000 F.1|G0 Z9."),
+    lathe("G75 X50. P1000 R.2 F.1", "G75 X50. Z-5. P5000 Q5000 R.2 F.1"),
     Case(
         "haas-lathe",
         "G0 X100. Z2.|G75 X50. Z-5. I1. K1. D.2 F.1",
