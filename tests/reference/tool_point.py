@@ -291,8 +291,8 @@ def judge(
     """Run the output on the erroneous machine, with the control's own nominal kinematics, and
     measure it against the nominal program's tip path in the part. Each output block is sampled; how
     far the nominal program is follows from the rotary axes where they turn, from the way elsewhere;
-    `turned`: from the way always, since rotary words are corrected too. Feeds that begin and end
-    with the tool point on count."""
+    `turned`: from the way always, since rotary words are corrected too, and the lean is judged.
+    Feeds that begin and end with the tool point on count."""
     result = Judged()
     wanted, written = read(nominal, on, off), read(output, on, off)
     stroke = {number: k for k, (_, _, _, number) in enumerate(wanted)}
@@ -316,13 +316,14 @@ def _measure(truth: Truth, result: Judged, at, low, high, length: float, turned:
     should = {x: low[x] + (high[x] - low[x]) * t for x in low}
     place = np.array([should[x] for x in "XYZ"]) + truth.tool
     right = truth.slides(place, {x: should[x] for x in truth.rotary}, length)
-    axis = truth.axis(right, 0.0)
     result.tip = max(result.tip, float(np.linalg.norm(tip - place)))
     result.tip_before = max(
         result.tip_before, float(np.linalg.norm(truth.actual(right, length) - place))
     )
-    if truth.reaches(right) < 0.1:
-        return  # near a pole, where the rotary axes can not turn the tool any way
+    # near a pole the rotary axes can not turn the tool any way
+    if not turned or truth.reaches(right) < 0.1:
+        return
+    axis = truth.axis(right, 0.0)
     way = max(float(np.linalg.norm([high[x] - low[x] for x in "XYZ"])), 0.001)
     ahead = {x: low[x] + (high[x] - low[x]) * (t + 0.001 / way) for x in low}
     turn = truth.axis({**right, **ahead}, 0.0) - axis  # of the nominal tool over 1 um of the way
