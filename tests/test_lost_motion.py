@@ -119,10 +119,11 @@ def test_a_slide_that_is_not_moved_keeps_its_side():
 
 def test_turning_places_are_those_behind_which_it_turns_back_far_enough():
     """Up 5, down 3, up 1 (too little to count against 2), down 4, up 6: pivots at the top and at
-    the bottom."""
+    the bottom. Back by 2 is not by more than 2."""
     course = np.array([0, 5, 2, 3, -1, 5])
     assert _pivots(course.tolist(), 0, 2.0) == [1, 4]
     assert _pivots([0, 1, -4], 0, 3.0) == [], "it has not gone up before by half as much"
+    assert _pivots([0, 4, 2, 6], 0, 2.0) == _pivots([0, -4, -2, -6], 0, 2.0) == []
 
 
 def test_the_side_of_a_stroke_by_itself_is_that_of_its_last_turn():

@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 
 from postproc.compensate import Options
+from postproc.compensate.inverse import CLOSE, command
 from postproc.errors import GcompError
 from postproc.filter import Filter, setup_of
 from postproc.machine import places
+from postproc.machine.seen import seen_in
 from postproc.nc import dialects
+from postproc.spaces import Space
 from postproc.verify import Verifier
 from tests.reference import polar
 from tests.reference.tool_point import Truth, random_truth
@@ -286,6 +289,15 @@ def test_a_way_to_the_middle_is_reported_as_such(tmp_path):
     machine = load(truth, tmp_path, "fanuc-lathe")
     with pytest.raises(GcompError, match="nearer than 1 mm"):
         corrected(machine, "fanuc-lathe", program(["G1 X40. C0. F9.", "X0."]), reversal="step")
+
+
+def test_near_the_line_of_c_the_inverse_goes_on_until_it_is_settled(tmp_path):
+    """50 um, 1.5 mm from it, turn by 0.03 rad with each round: two rounds leave 27 nm open."""
+    machine = load(plain(CHAINS[0], EXX=0.030, EYX=0.040), tmp_path, "fanuc-lathe")
+    seen = seen_in(machine, np.zeros(3), Space(polar="C"), False)
+    target = np.array([[1.2, 1.5, 3.0], [5.0] * 3, [0.9, 1.5, -2.0]])
+    found = command(seen, target, np.zeros((3, 3)))
+    assert found + seen.deviation(found, np.zeros((3, 3))) == pytest.approx(target, abs=CLOSE)
 
 
 def test_a_machine_without_c(tmp_path):

@@ -100,6 +100,14 @@ def test_homing_z_may_go_to_the_middle_of_the_bed(before, kept):
     assert filter_.modal.known[:3].tolist() == [kept, kept, True]
 
 
+def test_a_feed_from_nowhere_is_counted_though_nothing_else_is_unknown():
+    """Its end alone is corrected: the way there leaves from a place that nobody has told."""
+    filter_, _ = filtered("G1 X60 Y3 Z5 F600\nG1 X80\n")
+    assert "as they are: 0 (feeds: 0); feeds corrected at their ends alone: 1" in notice(
+        filter_, "unknown"
+    )
+
+
 def test_what_could_not_be_corrected_is_counted():
     text = "G91\nG1 Z5 F600\nG90\nG28\nG1 Z15\nG1 E3\nG1 X60 Y3\nG1 X80 E5\n"
     filter_, out = filtered(text)

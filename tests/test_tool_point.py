@@ -15,6 +15,7 @@ from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine import places
 from postproc.machine.seen import seen_in
+from postproc.machine.tables import GridTable
 from postproc.machine.tip import TipMachine
 from postproc.motions import FEED, FREE
 from postproc.nc import dialects
@@ -257,6 +258,23 @@ def test_a_head_swings_the_errors_of_its_own_side_by_hand(tmp_path):
     output, _ = corrected(machine, "fanuc-mill", text, {"H1": {"Z": 100.0}})
     assert words(output, 20) == "G43.4 H1 Z100."
     assert (words(output, 30), words(output, 40)) == ("G0 X9.9900 B30.", "B-45.")
+
+
+def test_without_take_ups_the_play_that_stays_is_said_by_hand(tmp_path):
+    """3 um to either side in the table of X, 4 um in Y's of X and Y: sqrt(3^2 + 4^2) um."""
+    truth = plain("w-C-A-b-X-Y-Z-t")
+    truth.table["X"][2][0] = -0.003
+    machine = load(truth, tmp_path)
+    nodes, forward = np.array([-400.0, 400.0]), np.zeros((6, 2, 2))
+    reverse = forward.copy()
+    reverse[1] = 0.008
+    grid = GridTable("Y", "X", nodes, nodes, forward, reverse)
+    axes = {**machine.axes, "Y": dataclasses.replace(machine.axes["Y"], grids=(grid,))}
+    machine = dataclasses.replace(machine, axes=axes)
+    filter_ = a_filter(machine, "fanuc-mill", {"H1": {"Z": LENGTH}}, reversal="off")
+    in_pieces(filter_, "G90 G54\nG0 X40. Y0. Z0. A0. C0.\nG43.4 H1\nG1 X0. F500.\n", 1000)
+    (said,) = (n.message for n in filter_.notices if n.message.startswith("lost motion of X Y is"))
+    assert said.endswith("up to 5.0 um of it stay")
 
 
 def test_explain_tells_tips_from_slides(tmp_path, capsys):

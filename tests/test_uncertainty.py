@@ -79,6 +79,7 @@ def test_parameters_of_effects(tmp_path):
         " 90.0\n"
     )
     m = machine(tmp_path, text + "u_amplitude_um = 1.0\nu_phase_deg = 10.0\n")
+    assert MapUncertainty(m).missing == ("EXX", "EYY", "EZZ"), "of both effects it is stated"
     assert known(m, 1)["Y"] == known(m, -1)["Y"] == approx(2.0)
     assert known(m, 0)["Y"] == approx(0.0)
     each = np.array([known(m, X=x)["X"] for x in np.arange(0, 10, 0.1)])

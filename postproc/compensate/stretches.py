@@ -142,12 +142,10 @@ def _crossings(f: Fitter, rows: Rows, shift: np.ndarray) -> list[tuple[np.ndarra
     where lost motion holds it, of plain rows; shift (2, A, R) mm: `_ends`."""
     arcs, cells, found = f.arcs, f.machine.bounds.cells, []
     plain = np.flatnonzero(f.plain[rows.arc])
-    none = np.zeros(0)
     for k, letter in enumerate(f.machine.letters):
-        nodes = cells[letter][0] if letter in cells else none
-        held = k in f.followed
-        if not len(nodes) and not held:
+        if letter not in cells:  # without a table, so without lost motion
             continue
+        nodes, held = cells[letter][0], k in f.followed
         for axes, role in ((arcs.first, 0), (arcs.second, 1)):
             on = plain[axes[rows.arc[plain]] == k]
             if len(on):

@@ -58,7 +58,7 @@ class Pace:
         self._ahead, self._wire = max(2, min(controller.planner, 256)), wire
         self._queue: deque[Block] = deque()
         self._last: tuple[float, ...] = ()
-        self._direction: list[float] | None = None
+        self._direction: list[float] = []
         self._before = 0.0  # square of the speed at which the last block may run
         self._leave = 0.0
         self.total = 0.0
@@ -109,8 +109,6 @@ class Pace:
 
     def _junction(self, enter: list[float], acceleration: float) -> float:
         """Square of the speed round the corner (planner.c, junction deviation)."""
-        if self._direction is None:
-            return 0.0
         cosine = -sum(a * b for a, b in zip(self._direction, enter, strict=True))
         if cosine > 0.999999:
             return 0.0  # it turns back
@@ -151,7 +149,6 @@ class Pace:
     def _empty(self) -> None:
         while self._queue:
             self._take()
-        self._leave, self._direction, self._before = 0.0, None, 0.0
 
     def _waiting(self) -> float:
         """About what lies in the queue."""

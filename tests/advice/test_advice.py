@@ -116,6 +116,13 @@ def test_a_code_that_points_to_expand_is_written_out_or_refused_for_another_reas
     assert after is None or follow.sentence(after.message) != follow.sentence(error.message)
 
 
+@pytest.mark.parametrize("name", ["fanuc-mill", "haas", "grbl", "linuxcnc"])
+def test_only_fanucs_corners_are_written_out(name):
+    error = follow.stopped(name, "G90|G0 X0. Y0. Z5.|G1 X5.,R2. F9|Y9.", {})
+    writes = "--expand writes ,R and ,C" in error.advice
+    assert writes == (dialects.load(name).language == "fanuc")
+
+
 @pytest.mark.parametrize("name", dialects.names())
 @pytest.mark.parametrize(
     "text", ["#1=5|G1 X#1 F9", "o100 sub|o100 endsub", "IF[1 EQ 1]GOTO 5", "G1 X[1+2] F9"]

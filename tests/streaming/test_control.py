@@ -19,6 +19,7 @@ from postproc.commands.stream import ports_found  # noqa: E402
 from postproc.errors import UsageError  # noqa: E402
 from postproc.streaming import orders  # noqa: E402
 from postproc.streaming.events import Status  # noqa: E402
+from postproc.streaming.protocols.grbl import Grbl  # noqa: E402
 from tests.api.schemas import held  # noqa: E402
 from tests.streaming import real_grbl  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
@@ -35,6 +36,20 @@ def control(port: str, *words: str) -> tuple[int, str]:
         status = main(["control", "--port", port, *words])
     assert "Traceback" not in err.getvalue(), err.getvalue()
     return status, out.getvalue() + err.getvalue()
+
+
+def test_an_order_is_over_when_the_controller_rests_in_two_reports():
+    """A report may have been on its way when the order was answered: it does not count; nor do two
+    between which the machine moved."""
+    order = orders.Order(Grbl(), orders.HOME, [], None)
+    order.begin(0.0)
+    assert order.bytes_out() == b"$H\n"
+    order.receive(b"ok\r\n", 0.1)
+    over = []
+    for state in (b"Idle", b"Idle", b"Home", b"Idle", b"Idle"):
+        order.receive(b"<%s|MPos:0.000,0.000,0.000|FS:0,0>\r\n" % state, 0.2)
+        over.append(order.done)
+    assert over == [False, False, False, False, True]
 
 
 def test_as_a_process():

@@ -72,6 +72,27 @@ def test_by_hand(places, expected):
     assert seconds(*places) == pytest.approx(expected, abs=tolerance)
 
 
+def test_a_curve_is_gone_round_no_faster_than_its_radius_allows():
+    """A circle of 5 mm in chords of 5 degrees at 100 mm/s and 400 mm/s2: v2 = a r, less what a
+    chord is shorter than its arc; the ramps up to v and down again cost v / a. The first chord
+    leans by 2.5 degrees, so that a is 400 / cos(2.5 degrees)."""
+    turn = math.radians(5)
+    ring = [(5 * math.cos(k * turn), 5 * math.sin(k * turn), 0.0) for k in range(73)]
+    chord, acceleration = 10 * math.sin(turn / 2), 400 / math.cos(turn / 2)
+    pace = Pace(Controller(settings=SAYS, planner=16), (0, 1, 2), lambda line: 0.0)
+    pace.add(WireLine(1, 1, 0, b"G0X5", ring[0]))
+    points = tuple(ring[1:-1])
+    pace.add(
+        WireLine(
+            2, 2, 0, b"G3I-5", ring[-1], length=72 * chord, seconds=0.72 * chord, points=points
+        )
+    )
+    pace.end()
+    rate = math.sqrt(acceleration * chord / turn)
+    assert rate == pytest.approx(math.sqrt(400 * 5), rel=1e-3)
+    assert pace.total == pytest.approx(72 * chord / rate + rate / acceleration, rel=1e-6)
+
+
 def test_the_link_may_be_slower_than_the_feed():
     assert seconds(*[(0.1 * i, 0, 0) for i in range(1, 201)], wire=0.01) == pytest.approx(
         2.0, abs=0.1

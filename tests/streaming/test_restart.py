@@ -8,10 +8,12 @@ import random
 import pytest
 
 from postproc.errors import GcompError, UsageError
-from postproc.streaming import journal, restart, resumable
+from postproc.streaming import journal, restart, resumable, zero
 from postproc.streaming.events import Status
 from postproc.streaming.lines import WireLine
+from postproc.streaming.live import Live
 from postproc.streaming.outcome import Outcome
+from postproc.streaming.protocols import Controller
 from postproc.streaming.protocols.grbl import Grbl
 from postproc.streaming.source import Source
 from tests.streaming.bench import new_sender, run
@@ -193,6 +195,22 @@ def test_A10_a_journal_cut_anywhere_is_read_up_to_the_cut():
         assert past.answered <= 50 and past.sent <= 60
     with pytest.raises(UsageError, match="empty"):
         journal.read(text[:30], "j")
+
+
+@pytest.mark.parametrize(
+    ("now", "words"),
+    [
+        ({"G54": {"X": 10.0005}}, ""),  # controllers report whole um
+        ({"G54": {"X": 10.001}}, "G54 had X = 10 mm when the job began, and has X = 10.001 mm now"),
+        ({"G54": {"X": 10.0}, "G92": {"Z": -1.0}}, "G92 had Z = 0 mm when the job began"),
+        ({}, "G54 had X = 10 mm when the job began, and has X = 0 mm now"),
+    ],
+)
+def test_a_work_offset_that_was_changed_is_a_lost_zero_though_it_was_homed(now, words):
+    past = journal.Past({"offsets": {"G54": {"X": 10.0}}})
+    live, controller = Live(now, {}, {}, ()), Controller()
+    said = zero.zero_lost(past, live, ("X", "Y", "Z"), controller, True, zero.HOMED)
+    assert said.startswith(words) and bool(said) == bool(words)
 
 
 def test_a_journal_that_is_none_is_refused_with_its_line():

@@ -145,6 +145,14 @@ def test_lines_behind_the_end_of_the_program_are_not_sent():
     assert lines[-1].text == b"M30" and source.dropped == 1
 
 
+def test_a_feed_from_nowhere_is_judged_by_all_that_follows():
+    """A feed from a place that is not known is refused where no later one is corrected: that is
+    not decided at the end of its line, nor where the program ends in the same batch."""
+    text = b"G21 G91 G54\nG1 X1 F100\nG90 G0 X1 Y1 Z5\nG1 X2 F100\nM30\n"
+    sent = [line.text for line in lines_of(text)]
+    assert sent[:2] == [b"G21 G91 G54", b"G1 X1 F100"] and sent[-1] == b"M30"
+
+
 @pytest.mark.parametrize("end", [b"", b"M30\n", b"%\n"])
 def test_the_lines_before_a_fault_are_kept(end):
     good = program(100, 2).replace(b"M30", b"M0").replace(b"%", b"")
