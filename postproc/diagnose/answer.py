@@ -78,12 +78,14 @@ class Diagnosis:
 
 
 def felt(d: Diagnosis) -> Iterator[tuple[drive.Drive, drive.Fitted]]:
-    """What forces and currents show of the effects that the contract knows, where the positions do
-    not say it already; of a force that is for the most part another than the drive's, nothing."""
+    """What forces and currents show of the effects that the contract knows, where neither the
+    positions say it already nor a delay of the force would; of a force that is for the most part
+    another than the drive's, nothing."""
     said = {f.block.key for f in d.findings if f.status == "accepted"}
     for one in d.drives:
         for term in one.fitted if one.after**2 < ANOTHER * one.raw**2 else ():
-            if term.term.name in drive.NAMES and f"{term.term.name}:{one.axis}" not in said:
+            key = f"{term.term.name}:{one.axis}"
+            if term.term.name in drive.NAMES and key not in said and not term.delayed:
                 yield one, term
 
 

@@ -25,16 +25,19 @@ REST = 0.004  # of the highest speed
 LEAST = 28.0  # fall of chi squared beyond ln(samples) a column, as for effects
 GAIN = 0.02  # of the rms: by so much each half must be told better
 MOST = 8
-# what is an effect of its own
-NAMES = ("inertia", "viscous_friction", "coulomb_friction", "friction_asymmetry")
+# What is an effect of its own: every drive accelerates a mass, and a path errs by that only where
+# positions show it.
+NAMES = ("viscous_friction", "coulomb_friction", "friction_asymmetry")
+DELAY = "force_delay"
 FAR = 1e6  # mm
 
 
 @dataclass(frozen=True)
 class Fitted:
     """One term: its parameters and their 95 % intervals by name, what it contributes (rms, in the
-    unit of the response), by how much chi squared falls, and what the held-out halves are told by
-    before and after it came in."""
+    unit of the response), by how much chi squared falls, what the held-out halves are told by
+    before and after it came in, and whether a delay between force and motion would say as much: at
+    one speed of a circle the jerk goes with the velocity."""
 
     term: Term
     value: dict[str, float]
@@ -43,6 +46,7 @@ class Fitted:
     delta_chi2: float
     before: float
     after: float
+    delayed: bool = False
 
 
 @dataclass(frozen=True)
@@ -315,6 +319,12 @@ class _Fit:
                 for n, v in named.items()
             }
             before, after = (_rms(self.across(chosen[:stop])) for stop in (i, i + 1))
-            fall = self.gain([c for c in chosen if c != k], k)
-            result.append(Fitted(term, named, ci, _rms(columns @ value[part]), fall, before, after))
+            rest = [c for c in chosen if c != k]
+            rms = _rms(columns @ value[part])
+            late = [
+                c for c, (t, _) in enumerate(self.possible) if t.name == DELAY and c not in chosen
+            ]
+            delayed = bool(late) and self.gain([*rest, *late], k) <= 0
+            fall = self.gain(rest, k)
+            result.append(Fitted(term, named, ci, rms, fall, before, after, delayed))
         return tuple(result)

@@ -277,6 +277,7 @@ def drive_lines(one: Drive) -> list[str]:
         lines.append(
             f"  {f.term.label} ({f.term.name}): {', '.join(said)}; held out {f.before:.3g} ->"
             f" {f.after:.3g} {one.unit}"
+            + (", which a delay between force and motion explains as well" if f.delayed else "")
         )
     if one.refused:
         lines.append(f"  not asked for: {', '.join(one.refused)}")

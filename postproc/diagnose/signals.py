@@ -360,7 +360,8 @@ def _features(recording: Recording, machine: Machine) -> Iterator[Signal]:
     )
     columns["channel material"] = np.where(turned, 0.0, [MATERIAL.get(str(k), 0.0) for k in kind])
     columns["channel wall"] = np.where(turned, 1.0, [-MATERIAL.get(str(k), 0.0) for k in kind])
-    columns["channel bore"] = np.array([float(k == "bore_diameter") for k in kind]) * turned
+    holes = np.array([float(k == "bore_diameter") for k in kind])
+    columns["channel bore"], columns["channel hole"] = holes * turned, holes * ~turned
     columns["run"] = columns["channel part"]
     columns["y"], columns["direction"] = recording.columns["measured_mm"] - nominal, direction
     names = np.array([f"{f} {k}" for f, k in zip(recording.columns["feature"], kind, strict=True)])

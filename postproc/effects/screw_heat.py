@@ -1,12 +1,13 @@
 """Screw heat: the screw grows with its own temperature, from the bearing that holds it.
 
 The temperature of the screw where it is recorded, else heat that comes with time, or with the axis'
-travel.
+travel. A test of warming up (ISO 230-3, 7.4) runs the axis between its readings and then lets it
+rest: heat comes until then, and goes with the same time constant.
 """
 
 import numpy as np
 
-from postproc.effects import State, along, temperature_rise
+from postproc.effects import State, along, first_timed, temperature_rise
 
 PARAMETERS = {
     "alpha_ppm_K": "um/(m K), expansion by the recorded temperature; 0 where none is recorded",
@@ -22,6 +23,9 @@ PARAMETERS = {
         "um/m, by how much it was longer already at the first reading than when the map was made"
     ),
     "warm": "1, it was warm at the first reading, from a use that was not recorded; 0, it was not",
+    "until_s": (
+        "s, after the first reading, when the axis came to rest and cooled; 0, heat came to the end"
+    ),
 }
 OPTIONAL = {
     "alpha_ppm_K": 0.0,
@@ -32,7 +36,11 @@ OPTIONAL = {
     "fixed_um_K": 0.0,
     "warm_ppm": 0.0,
     "warm": 0.0,
+    "until_s": 0.0,
 }
+CONTINUOUS = {"tau_s": (60.0, 30000.0), "until_s": (60.0, 1e6)}
+TAUS = (600.0, 1800.0, 5400.0)  # s
+RESTS = (0.3, 0.5, 0.7)  # of what was recorded
 EXPECTED = {"alpha_ppm_K": 1, "grown_ppm": 1}
 # Steel 11.5, glass 8, aluminium 23 ppm/K, and a thermometer that does not lie on the screw itself.
 # A screw gets 25 K warmer at the
@@ -63,14 +71,22 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     # comes with time or travel stands beside.
     heats = [
         *([(0.0, 0.0)] if known else []),
-        *((v, w) for v in (600.0, 1800.0, 5400.0) for w in (0.0, 1.0)),
+        *((v, w) for v in TAUS for w in (0.0, 1.0)),
     ]
-    return [
-        {"tau_s": t, "by_travel": w, "held_at_mm": end, "free": free, "warm": warm}
+    held = [{"held_at_mm": end, "free": free} for end, free in ends]
+    plain = [
+        {"tau_s": t, "by_travel": w, "warm": warm, "until_s": 0.0}
         for t, w in heats
-        for end, free in ends
         for warm in ((0.0,) if known else (0.0, 1.0))
     ]
+    lasts = float(np.ptp(state.time))
+    rested = [
+        {"tau_s": t, "by_travel": 0.0, "warm": 0.0, "until_s": share * lasts}
+        for t in TAUS
+        for share in RESTS
+        if share * lasts > CONTINUOUS["until_s"][0]
+    ]
+    return [shape | end for shape in plain + rested for end in held]
 
 
 def instead(shape: dict[str, float]) -> bool:
@@ -87,8 +103,13 @@ def columns(
     held_at_mm: float = 0.0,
     free: float = 1.0,
     warm: float = 0.0,
+    until_s: float = 0.0,
 ) -> np.ndarray:
     heat = temperature_rise(state, axis, tau_s, by_travel)
+    if until_s > 0:
+        gone = state.time - state.time[first_timed(state)]
+        most = 1.0 - np.exp(-until_s / tau_s)
+        heat = np.where(gone < until_s, heat, most * np.exp((until_s - gone) / tau_s))
     place = (state.position[axis] - held_at_mm) * 1e-3
     return along(axis, heat * place, *([heat] if free else []), *([place] if warm else []))
 
@@ -99,7 +120,8 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     fixed = value[1] if len(value) > 1 else 0.0
     alpha, grown = (0.0, value[0]) if shape["tau_s"] > 0 else (value[0], 0.0)
     sizes = {"alpha_ppm_K": alpha, "grown_ppm": grown, "fixed_um_K": fixed}
-    return sizes | shape | {"warm_ppm": warm, "warm": shape.get("warm", 0.0)}
+    rest = {"warm": shape.get("warm", 0.0), "until_s": shape.get("until_s", 0.0)}
+    return sizes | shape | {"warm_ppm": warm} | rest
 
 
 def coefficients(
@@ -112,6 +134,7 @@ def coefficients(
     free: float = 1.0,
     warm_ppm: float = 0.0,
     warm: float = 0.0,
+    until_s: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     value = [
         alpha_ppm_K + grown_ppm,
@@ -124,4 +147,5 @@ def coefficients(
         "held_at_mm": held_at_mm,
         "free": free,
         "warm": warm,
+        "until_s": until_s,
     }

@@ -9,8 +9,9 @@ PARAMETERS = {
     "diameter_um": "um, how much larger the tool is",
     "change": "number of the part before which it was ground or changed, 0: never",
     "then_um": "um, how much larger it is from that part on",
+    "bores": "1, it makes the bores too; 0, another tool does, such as a drill or a boring head",
 }
-OPTIONAL = {"change": 0.0, "then_um": 0.0}
+OPTIONAL = {"change": 0.0, "then_um": 0.0, "bores": 1.0}
 # A cutter that was ground again; beyond, it is another tool (unverified).
 PLAUSIBLE = {"diameter_um": (-1000.0, 1000.0), "then_um": (-1000.0, 1000.0)}
 KIND, USE, PER = "machine", "compensate", "all"
@@ -19,16 +20,21 @@ TEXT = "The tool's diameter is not what the control believes. Measure the tool a
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    parts = np.unique(state.channels.get("part", np.zeros(1))[state.channels["material"] != 0])
-    return [{"change": float(p)} for p in (0.0, *parts[1:])]
+    walls = state.channels["material"] != 0
+    parts = np.unique(state.channels.get("part", np.zeros(1))[walls])
+    holes = state.channels.get("hole", np.zeros(len(walls)))[walls] > 0
+    bores = (1.0, 0.0) if holes.any() and not holes.all() else (1.0,)
+    return [{"change": float(p), "bores": b} for p in (0.0, *parts[1:]) for b in bores]
 
 
-def columns(state: State, axis: str, change: float = 0.0) -> np.ndarray:
+def columns(state: State, axis: str, change: float = 0.0, bores: float = 1.0) -> np.ndarray:
     """Half a diameter towards the wall: of a pocket it grows, of a boss it shrinks; on a lathe the
     same by the tool's nose."""
     walls = state.channels["material"].copy()
     turned = (walls == 0) & (state.channels.get("wall", walls) != 0)
     walls[turned] = np.where(state.channels.get("bore", walls)[turned] > 0, 0.5, -0.5)
+    if not bores:
+        walls[state.channels.get("hole", np.zeros(len(walls))) > 0] = 0.0
     if not change:
         return np.broadcast_to(walls * 1e-3, (1, 3, len(state))).copy()
     then = state.channels.get("part", walls) >= change
@@ -41,10 +47,12 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
         "diameter_um": float(coefficients[0]),
         "change": shape.get("change", 0.0),
         "then_um": then,
+        "bores": shape.get("bores", 1.0),
     }
 
 
 def coefficients(
-    diameter_um: float, change: float = 0.0, then_um: float = 0.0
+    diameter_um: float, change: float = 0.0, then_um: float = 0.0, bores: float = 1.0
 ) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([diameter_um, then_um] if change else [diameter_um]), {"change": change}
+    shape = {"change": change, "bores": bores}
+    return np.array([diameter_um, then_um] if change else [diameter_um]), shape

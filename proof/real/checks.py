@@ -54,6 +54,12 @@ def named(answer: dict[str, Any], name: str, parameter: str) -> dict[str, Any] |
     )
 
 
+def of_drive(answer: dict[str, Any], term: str, parameter: str) -> dict[str, Any] | None:
+    """Of what the force of the first drive is made of."""
+    terms = (t for one in answer["drives"][:1] for t in one["terms"])
+    return next((t["parameters"][parameter] for t in terms if t["term"] == term), None)
+
+
 def interval(found: dict[str, Any] | None, unit: str) -> str:
     if found is None:
         return "not given"
@@ -226,14 +232,12 @@ def feed_drive(outcome: Outcome) -> Check:
     lag = 1e3 * (1 + 203.5 / (-b * 1e3 * force)) / kp
     step = 20.4 / (-b * force * kp) * 1e3
     found = named(outcome.answer, "servo_lag:X", "tau_ms")
-    mass = named(outcome.again, "inertia:X", "N_per_m_s2") or named(
-        outcome.answer, "inertia:X", "N_per_m_s2"
-    )
+    mass = of_drive(outcome.answer, "inertia", "N_per_m_s2")
     viscous = named(outcome.answer, "viscous_friction:X", "N_per_m_s")
     dry = named(outcome.answer, "coulomb_friction:X", "size_N")
     text = (
         f"lag {interval(found, 'ms')}, by the loop {lag:.2f} ms and a step of {step:.1f} um by dry"
-        f" friction; mass {interval(mass, 'kg')} (second run), viscous"
+        f" friction; mass {interval(mass, 'kg')} (its drive), viscous"
         f" {interval(viscous, 'N s/m')}, dry {interval(dry, 'N')}"
     )
     near = [(found, lag, 0.05), (mass, 95.1, 0.02), (viscous, 203.5, 0.1), (dry, 20.4, 0.1)]
