@@ -258,3 +258,13 @@ def test_okumas_holes_go_back_to_the_level_of_g71_by_m53_and_to_r_by_m54():
 def test_where_an_okuma_goes_back_must_stand_in_the_program(program, message):
     with pytest.raises(ProgramError, match=message):
         text_of("G90 G0 Z50.|" + program, "okuma")
+
+
+@pytest.mark.parametrize(
+    ("text", "name"), [('name = "warm"', "name"), ("NAME = 5", "NAME"), ("= 5", "="), ("=", "=")]
+)
+def test_a_text_behind_an_equals_sign_is_refused_by_its_name(text, name):
+    interpreter = Interpreter(dialects.load("okuma"), SETUP)
+    words = lex(f"G21 G90 G15 H1\n{text}\nG0 X1\n".encode(), interpreter.dialect.grammar, False)
+    motions, _, _ = interpreter.run(words, interpreter.initial())
+    assert [r[0] for r in motions.reasons if r[0]] == [f"{name} can not be followed"]

@@ -247,9 +247,13 @@ def cycle_calls(b: Batch) -> None:
 
 
 def _name_of(b: Batch, place: int) -> str:
-    """The first word of the text that a macro's word stands for."""
-    text = b.words.text[b.words.start[place] :][:60].decode("latin-1")
-    return text.split("\n")[0].split("=")[0].split()[0].rstrip(";")
+    """The first word of the text that a macro's word stands for; where that begins with its equals
+    sign, the word before it."""
+    start, text = int(b.words.start[place]), b.words.text
+    before = text[text.rfind(b"\n", 0, start) + 1 : start].decode("latin-1").split()[-1:]
+    line = text[start : start + 60].decode("latin-1").partition("\n")[0].strip()
+    names = line.partition("=")[0].split() or before or ["="]
+    return names[0].rstrip(";")
 
 
 def _called(b: Batch, number: int) -> str:
