@@ -12,7 +12,16 @@ from postproc.errors import ProgramError
 from postproc.machine import places
 from postproc.machine.poses import Poses
 from tests.reference.tool_point import CHAINS, TURN, Truth, random_truth
-from tests.test_tool_point import LENGTH, TOLERANCE, corrected, load, plain, words
+from tests.test_tool_point import (
+    LENGTH,
+    TOLERANCE,
+    a_filter,
+    corrected,
+    in_pieces,
+    load,
+    plain,
+    words,
+)
 
 OFFSETS = {"H1": {"Z": LENGTH}}
 
@@ -208,7 +217,8 @@ def test_any_cut_of_the_input_gives_the_same_bytes(tmp_path):
     text = plane.head + "G1 X20. Y-15. F500.\nG2 X30. I5. J0.\nG49\nG69\nG0 X0. Y0. Z80.\nM30\n"
     whole = corrected(machine, "fanuc-mill", text, OFFSETS)[0]
     for cut in (1, 33, 90):
-        assert corrected(machine, "fanuc-mill", text, OFFSETS, cut=cut)[0] == whole
+        filter_ = a_filter(machine, "fanuc-mill", OFFSETS)
+        assert in_pieces(filter_, text, cut) == whole
 
 
 @pytest.mark.parametrize(
