@@ -21,6 +21,10 @@ PARAMETERS = {
     "wide_mm": "mm, how wide the stretch is; 0, there is none",
     "from_mm": "mm, where the polynomials begin; 0 here and in to_mm: over the travel",
     "to_mm": "mm, where they end; beyond, it is as there",
+    "flank": (
+        "1, the flank is worn that carries when the axis comes in +, where all of worn_um shows;"
+        " -1, the other one; 0, both, and each direction shows half"
+    ),
 }
 OPTIONAL = {
     "b2_um": 0.0,
@@ -35,7 +39,9 @@ OPTIONAL = {
     "wide_mm": 0.0,
     "from_mm": 0.0,
     "to_mm": 0.0,
+    "flank": 0.0,
 }
+FLANKS = (0.0, 1.0, -1.0)
 WIDTHS, STEPS = (0.1, 0.2, 0.35), 12  # of the travel; places of a worn stretch along it
 # of what is lost elsewhere, more in a worn stretch; of that, with the other sign (unverified)
 CLEARLY, SLIGHTLY = 0.5, 0.2
@@ -62,13 +68,16 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     fine = near is not None and bool(np.any(near < SMALL))
     plain = {"worn_mm": 0.0, "wide_mm": 0.0} | curve_ends(state, axis)
     curved = [
-        {"play_mm": v, "degree": d} | plain
+        {"play_mm": v, "degree": d, "flank": 0.0} | plain
         for v in ((0.0, 0.004, 0.008, 0.016) if fine else (0.0,))
         for d in (1.0, 2.0, 6.0)
     ]
+    worn = {"play_mm": 0.0, "degree": 0.0} | dict.fromkeys(ENDS, 0.0)
     return curved + [
-        {"play_mm": 0.0, "degree": 0.0, "worn_mm": at, "wide_mm": wide} | dict.fromkeys(ENDS, 0.0)
+        worn | {"worn_mm": at, "wide_mm": wide, "flank": f}
         for at, wide in _stretches(state, axis)
+        for f in FLANKS
+        if f == 0.0 or _seen(state, axis, at, wide, f)
     ]
 
 
@@ -83,6 +92,12 @@ def _stretches(state: State, axis: str) -> list[tuple[float, float]]:
     ]
 
 
+def _seen(state: State, axis: str, worn_mm: float, wide_mm: float, flank: float) -> bool:
+    """Whether readings from one side stand in a stretch."""
+    off = state.position[axis] - state.travel[axis][0] - worn_mm
+    return bool(np.any((np.abs(off) < wide_mm / 2) & (state.approach[axis] == flank)))
+
+
 def columns(
     state: State,
     axis: str,
@@ -92,11 +107,13 @@ def columns(
     wide_mm: float = 0.0,
     from_mm: float = 0.0,
     to_mm: float = 0.0,
+    flank: float = 0.0,
 ) -> np.ndarray:
     u = place_in(state.position[axis], state.travel[axis], from_mm, to_mm)
     half = -state.approach[axis] / 2 * lost_motion_share(state, axis, play_mm)
     curves = [half * legendre(u, k) for k in range(int(degree) + 1)]
     if wide_mm > 0:
+        half = half - flank / 2
         curves.append(half * _worn(state.position[axis] - state.travel[axis][0], worn_mm, wide_mm))
     return along(axis, *curves)
 
@@ -115,7 +132,7 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     shares = [*values, *[0.0] * 6][:7]
     return (
         {f"b{k}_um": c for k, c in enumerate(shares)}
-        | {"worn_um": worn, "worn_mm": 0.0, "wide_mm": 0.0}
+        | {"worn_um": worn, "worn_mm": 0.0, "wide_mm": 0.0, "flank": 0.0}
         | dict.fromkeys(ENDS, 0.0)
         | shape
     )
@@ -136,13 +153,14 @@ def coefficients(
     wide_mm: float = 0.0,
     from_mm: float = 0.0,
     to_mm: float = 0.0,
+    flank: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     shares = [b0_um, b1_um, b2_um, b3_um, b4_um, b5_um, b6_um]
     shown = 6.0 if any(shares[3:]) else 2.0 if b2_um else 1.0 if b1_um or wide_mm <= 0 else 0.0
     degree = max(degree if wide_mm <= 0 else 0.0, shown)
     values = shares[: int(degree) + 1] + ([worn_um] if wide_mm > 0 else [])
     shape = {"play_mm": play_mm, "degree": degree, "worn_mm": worn_mm, "wide_mm": wide_mm}
-    shape |= {"from_mm": from_mm, "to_mm": to_mm}
+    shape |= {"from_mm": from_mm, "to_mm": to_mm, "flank": flank}
     return np.array(values), shape
 
 
@@ -168,7 +186,7 @@ def ramp_mm(b0_um: float, play_mm: float = 0.0, **others: float) -> float:
 
 
 def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table]:
-    nodes = np.linspace(*travel, 121 if named.get("wide_mm", 0.0) <= 0 else 361)
+    nodes = np.linspace(*travel, 121 if named.get("wide_mm", 0.0) <= 0 else 541)
     shares, shape = coefficients(**named)
     u = place_in(nodes, travel, shape["from_mm"], shape["to_mm"])
     wide = named.get("wide_mm", 0.0)
@@ -178,5 +196,6 @@ def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table
         else np.zeros(len(u))
     )
     shares = shares[:-1] if wide > 0 else shares
-    half = sum((c * legendre(u, k) for k, c in enumerate(shares)), worn) * UM / 2
-    return [(f"E{axis}", axis, nodes, -half, half)]
+    half = sum((c * legendre(u, k) for k, c in enumerate(shares)), np.zeros(len(u))) * UM / 2
+    forward, reverse = (half + worn * UM / 2 * (1.0 + s * shape["flank"]) for s in (1.0, -1.0))
+    return [(f"E{axis}", axis, nodes, -forward, reverse)]

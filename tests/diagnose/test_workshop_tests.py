@@ -1,5 +1,5 @@
-"""Tests of workshops as they are made: a screw that warms up and cools down (ISO 230-3), a part
-whose bores another tool made."""
+"""Tests of workshops as they are made: a screw that warms up and cools down (ISO 230-3), one
+that is worn on one flank, a part whose bores another tool made."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 
 from postproc import effects
 from postproc.cli import main
-from postproc.effects import State, screw_heat
+from postproc.effects import State, backlash_position, screw_heat
 
 MACHINE = """format = "gcomp-machine/1"
 name = "mill"
@@ -76,6 +76,38 @@ def test_a_test_of_warming_up_and_cooling_down_names_the_screw(tmp_path, held_mm
     assert said["grown_ppm"] == pytest.approx(60.0, rel=0.1)
     assert said["tau_s"] == pytest.approx(1200.0, rel=0.15)
     assert said["until_s"] == pytest.approx(3000.0, abs=270.0)
+
+
+@pytest.mark.parametrize("flank", [1, -1])
+def test_a_flank_that_is_worn_shows_where_the_axis_comes_from_its_side(tmp_path, flank):
+    """3 um lost, and 12 um more between 110 and 210 mm by readings of one direction."""
+    rng, rows = np.random.default_rng(6), []
+    places = np.round(np.linspace(10, 290, 29) + rng.uniform(-2, 2, 29), 1)
+    for run in range(5):
+        for way in (1, -1):
+            for x in places[::way]:
+                inside = np.clip((50 - abs(x - 160)) / 15, 0, 1)
+                y = -way * (1.5 + 12.0 * inside * (way == flank)) + rng.normal(0, 0.15)
+                rows.append(f"{run + 1},{10.0 * len(rows)},{x},{way},{y:.2f}")
+    answer = answered(tmp_path, LASER, "run,t_s,X_mm,approach_X,reading_um", rows)
+    assert list(named(answer)) == ["backlash_position"]
+    said = named(answer)["backlash_position"]
+    assert said["flank"] == flank and said["worn_um"] == pytest.approx(12.0, abs=2.0)
+    assert said["worn_mm"] == pytest.approx(160.0, abs=5.0)
+
+
+def test_a_worn_flank_is_in_the_table_of_its_direction_alone():
+    """2 um all along, and 10 um more where readings stand: -1 - 10 um where the axis comes in +, 1
+    where it comes in -, by table as by reading."""
+    shape = dict(b0_um=2.0, worn_um=10.0, worn_mm=100.0, wide_mm=80.0, flank=1.0)
+    ((_, _, nodes, forward, reverse),) = backlash_position.tables("X", (0.0, 400.0), **shape)
+    there = int(np.argmin(np.abs(nodes - 100.0)))
+    assert forward[there] * 1e3 == pytest.approx(-11.0, abs=0.01)
+    assert reverse * 1e3 == pytest.approx(1.0)
+    two = state([60.0, 90.0])
+    two.approach["X"][1] = -1.0
+    found = effects.deviation(backlash_position, two, "X", **shape)[0] * 1e3
+    assert found == pytest.approx([-11.0, 1.0])
 
 
 @pytest.mark.parametrize("bored_um, bores", [(0.0, 0.0), (-12.0, 1.0)])
