@@ -166,7 +166,8 @@ def coefficients(
 
 def further_cost(axis: str, shape: dict[str, float]) -> float:
     """A curve and a worn stretch are as likely, though there are many more places of the second."""
-    return 2 * float(np.log(2.0 if shape["wide_mm"] > 0 else 2.0 / (1 + STEPS)))
+    more = 1 + STEPS * len(FLANKS)
+    return 2 * float(np.log(2.0 if shape["wide_mm"] > 0 else 2.0 / more))
 
 
 def special(play_mm: float, **_: float) -> tuple[str, dict[str, float]]:
