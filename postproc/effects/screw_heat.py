@@ -11,8 +11,8 @@ from postproc.effects import State, along, first_timed, temperature_rise
 
 PARAMETERS = {
     "alpha_ppm_K": "um/(m K), expansion by the recorded temperature; 0 where none is recorded",
-    "grown_ppm": "um/m, expansion at the end where no temperature is recorded",
-    "fixed_um_K": "um per K, growth of what holds the screw",
+    "grown_ppm": "um/m, expansion that it tends to while heated, where no temperature is recorded",
+    "fixed_um_K": "um per K, growth of what holds the screw; um where no temperature is recorded",
     "tau_s": "s, 0: by the recorded temperature, else the time in which the heat comes",
     "by_travel": (
         "1, the heat comes with the axis' own travel and goes when it rests; 0, it comes with time"
