@@ -319,7 +319,7 @@ def test_any_cut_of_the_input_gives_the_same_bytes(dialect, tmp_path):
     )
     whole = corrected(machine, dialect, text, offsets)[0]
     assert whole != text
-    for cut in (1, 60, 200):
+    for cut in (1, 17, 60, 200):
         assert in_pieces(a_filter(machine, dialect, offsets), text, cut) == whole
 
 
