@@ -23,9 +23,7 @@ NAMES = {
 
 def harm(c: Case, r: Rng) -> tuple[list[Fields], set[str]]:
     """What is added to every recording, um; what was done, in words (the keys of NAMES)."""
-    chosen: set[str] = set()
-    while not chosen:
-        chosen = {k for k in HARMS if r.random() < 0.4}
+    chosen = _choice(r)
     extra: list[Fields] = []
     words: set[str] = set()
     for rec, noise in zip(c.recs, c.noises, strict=True):
@@ -41,6 +39,14 @@ def harm(c: Case, r: Rng) -> tuple[list[Fields], set[str]]:
             _thermometers(r, c, rec)
             words.add("wrong thermometers")
     return extra, words
+
+
+def _choice(r: Rng) -> set[str]:
+    """Some harms, one at least."""
+    chosen: set[str] = set()
+    while not chosen:
+        chosen = {k for k in HARMS if r.random() < 0.4}
+    return chosen
 
 
 def _readings(r: Rng, rec: Recording, noise: Noise, chosen: set[str], words: set[str]) -> Array:

@@ -36,7 +36,7 @@ def hunting_loop(c: Case, r: Rng) -> Hidden:
 def chip(c: Case, r: Rng) -> Hidden:
     """chip under the artefact for one run: lifted and tilted, then washed away"""
     first = c.recs[0]
-    runs = np.unique(first.run)
+    runs = np.unique(first.run).tolist()
     run = pick(r, runs[1:-1] if len(runs) > 2 else runs[1:])
     tilt = r.uniform(-0.6, 0.6)
     t = first.t[first.run == run]
@@ -153,7 +153,8 @@ def coolant(c: Case, r: Rng) -> Hidden:
 
     def value(rec: Recording) -> Array:
         t = np.linspace(0, rec.t[-1], 3000)
-        cold = relaxed(np.searchsorted(switches, t) % 2, np.full(len(t), t[1] - t[0]), tau)
+        on = (np.searchsorted(switches, t) % 2).astype(float)
+        cold = relaxed(on, np.full(len(t), t[1] - t[0]), tau)
         return -np.interp(rec.t, t, cold)
 
     return read(value)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.signal import lfilter
 
@@ -28,10 +30,10 @@ class Room:
         r.normal(size=2)
         wander(r, t, 1, span / 3 + 1)
 
-    def air(self, t: Array | float) -> Array:
+    def air(self, t: Array | float) -> Any:
         return np.interp(t, self.t, self.values)
 
-    def lag(self, t: Array | float, tau: float) -> Array:
+    def lag(self, t: Array | float, tau: float) -> Any:
         """What follows the air with a time constant, s."""
         p = np.exp(-self.dt / tau)
         y = lfilter([1 - p], [1, -p], self.values, zi=[p * self.values[0]])[0]

@@ -29,9 +29,11 @@ def machine_files(m: Machine) -> dict[str, str]:
                 columns.append(y)
                 u_head.append(title)
                 u_columns.append(np.full(len(y), m.u[a][name]))
-        files[f"{a}.csv"] = _csv("# simulated calibration\n", head, columns, "%.3f")
+        files[f"{a}.csv"] = _csv("# simulated calibration\n", head, columns, ["%.3f"] * len(head))
         if m.states_u:
-            files[f"{a}_uncertainty.csv"] = _csv("# U, 95 %\n", u_head, u_columns, "%.3f")
+            files[f"{a}_uncertainty.csv"] = _csv(
+                "# U, 95 %\n", u_head, u_columns, ["%.3f"] * len(u_head)
+            )
     return files
 
 
@@ -72,9 +74,7 @@ def _inline(values: dict[str, float]) -> str:
     return "{ " + ", ".join(f"{k} = {v}" for k, v in values.items()) + " }"
 
 
-def _csv(above: str, head: list[str], columns: Sequence[Array], formats: str | list[str]) -> str:
-    if isinstance(formats, str):
-        formats = [formats] * len(columns)
+def _csv(above: str, head: Sequence[str], columns: Sequence[Array], formats: Sequence[str]) -> str:
     row = ",".join(formats) + "\n"
     values = zip(*(np.asarray(c).tolist() for c in columns), strict=True)
     return above + ",".join(head) + "\n" + "".join(row % v for v in values)
@@ -88,10 +88,14 @@ def recording_file(rec: Recording, signal: Fields, r: Rng) -> str:
     t = rec.t if rec.t_written is None else rec.t_written
     columns = [("run", rec.run, "%d"), ("t_s", t, "%.1f" if rec.kind == "targets" else "%.5f")]
     columns += {"targets": _targets, "ballbar": _ballbar, "trace": _trace}[rec.kind](rec, signal, r)
-    for name, y in rec.more.items():
-        of_air = "%.3f" if "hPa" in name else "%.1f"
-        columns.append((name, y, "%.2f" if name.startswith("T_") else of_air))
-    return _csv(above, [c[0] for c in columns], [c[1] for c in columns], [c[2] for c in columns])
+    columns += [(name, y, _format(name)) for name, y in rec.more.items()]
+    heads, values, formats = zip(*columns, strict=True)
+    return _csv(above, heads, values, formats)
+
+
+def _format(name: str) -> str:
+    """Of a further column: temperatures, the air's pressure, feeds, speeds and forces."""
+    return "%.2f" if name.startswith("T_") else "%.3f" if "hPa" in name else "%.1f"
 
 
 def _value(value: object) -> str:

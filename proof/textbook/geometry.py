@@ -120,7 +120,7 @@ def second_leans(c: Case, r: Rng) -> Hidden:
 @form("squareness", PLANE, "pair")
 def both_lean(c: Case, r: Rng) -> Hidden:
     """both axes lean by half (hinged frame)"""
-    a, b = c.pair
+    a, b = c.pair[0], c.pair[1]
     about, s = perpendicular(a, b), sign(r)
 
     def value(rec: Recording) -> dict[str, Array]:

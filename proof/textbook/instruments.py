@@ -39,7 +39,7 @@ def jump_at_reversal(c: Case, r: Rng) -> Hidden:
     rows = rows[(rows > 0.15 * rec.n) & (rows < 0.85 * rec.n)]
     if not len(rows):
         raise Redraw
-    i = int(pick(r, rows))
+    i = pick(r, rows.tolist())
     when, s = rec.t[i] - 1e-6, -rec.sense_of[c.axis][i]
     return along(c.axis, lambda rec: s * (rec.t > when).astype(float))
 

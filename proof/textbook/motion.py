@@ -9,6 +9,7 @@ signals is that of their Lissajous figure.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +28,7 @@ for _effect in ("backlash_position", "windup"):
     NUISANCES[_effect] = lambda c, rec: [rec.project({c.axis: rec.sense_of[c.axis]})]
 
 
-def play(rec: Recording, axis: str, width: Array | float) -> Array:
+def play(rec: Recording, axis: str, width: Any) -> Array:
     """Lost motion, um: the slide lags by half the width on either side, and crosses it linearly."""
     crossed = np.clip(2 * rec.since_mm[axis] * 1e3 / np.maximum(abs(width), 1e-9) - 1, -1, 1)
     return -rec.sense_of[axis] * crossed * width / 2

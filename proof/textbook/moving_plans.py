@@ -10,12 +10,14 @@ from scipy.signal import lfilter
 
 from .base import Array, Rng, log_uniform, pick
 from .case import Case, planes, somewhere
+from .machines import Machine
 from .recordings import Recording, reversals, set_state, state
 
 RADII = (50.0, 100.0, 150.0, 250.0, 300.0)  # mm, of a bar with its extensions
 MOST_ROWS = 9000
 Move = tuple[float, float, float]  # mm, mm/min, s of rest after it
 State = dict[str, list[Array]]
+Turn = tuple[Array, State, int]  # times, states, and 1 where it is counter-clockwise, else -1
 # Hz; of every turn its times and what is added to them, s; states over all turns
 Path = tuple[float, list[tuple[Array, list[float]]], State]
 
@@ -26,23 +28,21 @@ def ballbar(r: Rng) -> Case:
     c = Case(r, "ballbar", {})
     m = c.machine
     plane = _plane(c, r)
-    radius = _bar(r, min(m.travel[a][1] - m.travel[a][0] for a in plane))
+    radius = _bar(r, _shorter_travel(m, plane))
     inner = {a: (m.travel[a][0] + radius + 1, m.travel[a][1] - radius - 1) for a in plane}
     centre = {a: float(round(r.uniform(*inner[a]), 1)) for a in plane}
     where = somewhere(r, m)
-    feeds = [float(pick(r, [500, 1000, 1500, 2000]))]
-    if r.random() < 0.4:
-        feeds.append(feeds[0] * 3)
+    slow = float(pick(r, [500, 1000, 1500, 2000]))
+    feeds = [slow, slow * 3][: 1 + (r.random() < 0.4)]
     apart = r.random() < 0.5 and len(feeds) == 1
     start = pick(r, [0.0, np.pi / 4, np.pi / 2, np.pi, -np.pi / 4, 1.5 * np.pi])
     begin = 0.0
     for feed in feeds:
-        turns = []
+        turns: list[Turn] = []
         for way in (1, -1):
-            t, states = _turn(plane, radius, feed, start, way)
-            turns.append((t + begin + 8.0, states, way))
+            turns.append(_turn(plane, radius, feed, start, way, begin))
             begin = turns[-1][0][-1] + r.uniform(4, 10)
-        for group in [[turn] for turn in turns] if apart else [turns]:
+        for group in [turns[:1], turns[1:]] if apart else [turns]:
             tag = {1: "_ccw", -1: "_cw"}[group[0][2]] if apart else ""
             rec = Recording(f"ballbar_{c.pair}_{feed:.0f}{tag}.csv", "ballbar", m.axes)
             _set_circle(rec, group, centre, where, radius)
@@ -52,6 +52,10 @@ def ballbar(r: Rng) -> Case:
         begin += r.uniform(30, 120)
     c.add_room(r)
     return c
+
+
+def _shorter_travel(m: Machine, plane: tuple[str, str]) -> float:
+    return min(m.travel[a][1] - m.travel[a][0] for a in plane)
 
 
 def _bar(r: Rng, shortest: float) -> float:
@@ -68,9 +72,9 @@ def _plane(c: Case, r: Rng) -> tuple[str, str]:
 
 
 def _turn(
-    plane: tuple[str, str], radius: float, feed: float, start: float, way: int
-) -> tuple[Array, State]:
-    """Times and states of one turn, about zero, with half a turn before it that is not recorded."""
+    plane: tuple[str, str], radius: float, feed: float, start: float, way: int, begin: float
+) -> Turn:
+    """One turn about zero, with half a turn before it that is not recorded."""
     omega = feed / 60 / radius
     rate = max(min(900 / (2 * np.pi / omega), 250), 5)
     n = int(2 * np.pi / omega * rate)
@@ -80,12 +84,13 @@ def _turn(
     # G18 is seen from +Y: counter-clockwise is from Z to X
     first, second = plane[::-1] if plane == ("X", "Z") else plane
     path = {first: radius * np.cos(angle), second: radius * np.sin(angle)}
-    return t[before:], {a: [q[before:] for q in state(t, path[a])] for a in plane}
+    states = {a: [q[before:] for q in state(t, path[a])] for a in plane}
+    return t[before:] + begin + 8.0, states, way
 
 
 def _set_circle(
     rec: Recording,
-    turns: list[tuple[Array, State, int]],
+    turns: list[Turn],
     centre: dict[str, float],
     where: dict[str, float],
     radius: float,
@@ -141,8 +146,7 @@ def _circles(c: Case, r: Rng) -> Iterator[Path]:
     """Each file: a turn one way, and one the other."""
     travel = c.machine.travel
     plane = _plane(c, r)
-    longest = 0.4 * min(travel[a][1] - travel[a][0] for a in plane)
-    radius = min(pick(r, [10.0, 20.0, 25.0, 50.0]), longest)
+    radius = min(pick(r, [10.0, 20.0, 25.0, 50.0]), 0.4 * _shorter_travel(c.machine, plane))
     centre = {a: float(round(np.mean(travel[a]))) for a in plane}
     start = float(r.uniform(0, 6.28))
     feeds = [float(pick(r, [1000, 2000, 3000])), float(pick(r, [4000, 6000]))]
@@ -222,17 +226,16 @@ def _profile(moves: list[Move], rate: float, acceleration: float) -> tuple[Array
     """Times (s), places (mm) from zero and speeds (mm/s): trapezoids of speed, smoothed over 20 ms
     as a limit of jerk would do."""
     speeds = []
-    for distance, feed, rest in moves:
-        v, way, distance = feed / 60, np.sign(distance), abs(distance)
+    for signed, feed, rest in moves:
+        v, way, distance = feed / 60, np.sign(signed), abs(signed)
         if v * v / acceleration > distance:
-            v = np.sqrt(distance * acceleration)
+            v = float(np.sqrt(distance * acceleration))
         ramp, steady = v / acceleration, distance / v - v / acceleration
         n = max(int((2 * ramp + steady) * rate), 3)
         t = (np.arange(n) + 0.5) / rate
         up, down = t * acceleration, (2 * ramp + steady - t) * acceleration
         speeds.append(way * np.clip(np.minimum(up, down), 0, v))
         speeds.append(np.zeros(int(rest * rate)))
-    v = np.concatenate(speeds)
     k = max(int(0.02 * rate), 1)
-    v = np.convolve(v, np.ones(k) / k, "same")
-    return np.arange(len(v)) / rate, np.cumsum(v) / rate, v
+    smooth = np.convolve(np.concatenate(speeds), np.ones(k) / k, "same")
+    return np.arange(len(smooth)) / rate, np.cumsum(smooth) / rate, smooth

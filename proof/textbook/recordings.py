@@ -91,7 +91,7 @@ class Recording:
         """A deviation, direction -> um, as the instrument's channels see it; parts see none."""
         if self.kind == "trace":
             return {a: _spread(e, self.n) for a, e in moved.items()}
-        weight = {"targets": self.sensitive, "ballbar": self.unit}.get(self.kind, {})
+        weight: Mapping[str, Any] = self.unit if self.kind == "ballbar" else self.sensitive
         parts = (weight[a] * np.asarray(e) for a, e in moved.items() if a in weight)
         return {"r": sum(parts, np.zeros(self.n))}
 

@@ -58,15 +58,14 @@ def measure(
     name: str,
     cycle: Cycle,
     where: dict[str, float],
-    instrument: str = "",
     begin: float = 0.0,
     seen: dict[str, float] | None = None,
     quantity: str = "displacement",
     lines: dict[str, tuple[float, float, int]] | None = None,
 ) -> Recording:
-    """A recording of a cycle along the case's axis, or along a diagonal: lines: axis -> (start and
-    length, mm; sign), the targets being its share. where: mm, of the other axes; begin: s; seen:
-    axis -> weight in the reading, the axis itself where not given."""
+    """A laser's recording of a cycle along the case's axis, or along a diagonal: lines: axis ->
+    (start and length, mm; sign), the targets being its share. where: mm, of the other axes; begin:
+    s; seen: axis -> weight in the reading, the axis itself where not given."""
     m, rows = c.machine, cycle.rows()
     x = np.array([row[0] for row in rows])
     side = np.array([row[1] for row in rows], float)
@@ -75,19 +74,14 @@ def measure(
     pause = cycle.dwell * r.uniform(0.97, 1.15, len(rows))
     t = begin + np.cumsum(duration(distance, cycle.feed, m.maxa[c.axis]) + pause)
     rec = at_rest(c, name, t, np.array([row[2] for row in rows]), where, seen, quantity)
-    for a, (start, length, way) in (lines or {}).items():
+    for a, (start, length, way) in (lines or {c.axis: (0.0, 1.0, 1)}).items():
         rec.pos[a] = start + length * (x if way > 0 else 1 - x)
         rec.sense_of[a], rec.since_mm[a] = side * way, since * length
         rec.path[a] = np.cumsum(distance * length)
-    if lines is None:
-        a = c.axis
-        rec.pos[a], rec.sense_of[a], rec.since_mm[a] = x, side, since
-        rec.path[a] = np.cumsum(distance)
     c.add(rec, len(rows))
     if r.random() < 0.6:
         rec.more["feed_mm_min"] = np.full(rec.n, cycle.feed)
-    if instrument:
-        rec.head["instrument"], rec.step = instrument, 0.01
+    rec.head["instrument"], rec.step = LASER, 0.01
     return rec
 
 
@@ -125,7 +119,7 @@ def iso_targets(r: Rng, m: Machine, axis: str, n: int | None = None) -> tuple[Ar
     step = (last - first) / (n - 1) / 1.12
     step = max(round(step), 1) if step > 3 else round(step, 1)
     x = first + np.arange(n) * step + r.uniform(-0.25, 0.25, n) * step * 0.3
-    return np.round(np.clip(x, first, last), 3), over
+    return np.clip(x, first, last).round(3), over
 
 
 def pace(r: Rng) -> dict[str, Any]:
@@ -148,7 +142,7 @@ def laser(r: Rng, plan: str = "laser", long: bool = False, swing: float = 0.1) -
         k["dwell"] = float(r.uniform(8, 25))
     mode = "step" if r.random() < 0.2 and not long else "linear"
     cycle = Cycle(x, int(r.integers(3, 6)), mode, over, **k)
-    rec = measure(c, r, f"pos_{c.axis}.csv", cycle, somewhere(r, m), LASER)
+    rec = measure(c, r, f"pos_{c.axis}.csv", cycle, somewhere(r, m))
     if not long and r.random() >= 0.8:
         rec.head["instrument"], rec.step = "comparator scale", 0.05
     c.add_room(r, swing, swing > 0.5, noted=0.9 if long else 0.6)
@@ -171,7 +165,7 @@ def fine(r: Rng) -> Case:
     start = r.uniform(low + 10, high - length - 10)
     x = np.round(start + np.linspace(0, length, n), 3)
     cycle = Cycle(x, int(r.integers(2, 4)), "linear", 1.0, 2.0, 1000.0)
-    measure(c, r, f"fine_{c.axis}.csv", cycle, somewhere(r, m), LASER)
+    measure(c, r, f"fine_{c.axis}.csv", cycle, somewhere(r, m))
     c.add_room(r)
     return c
 
@@ -193,7 +187,7 @@ def several_lines(r: Rng, plan: str = "laser_multi", three: bool = False) -> Cas
         where[c.other] = float(np.round(low + part * (high - low)))
         cycle = Cycle(x, int(r.integers(2, 4)), "linear", over, **k)
         name = f"pos_{c.axis}_at_{c.other}{j + 1}.csv"
-        rec = measure(c, r, name, cycle, where, LASER, begin)
+        rec = measure(c, r, name, cycle, where, begin)
         begin = rec.t[-1] + r.uniform(600, 1800)
     c.add_room(r)
     return c
@@ -241,7 +235,7 @@ def diagonals(r: Rng) -> Case:
     c.pair, c.axis, c.other = a + b, a, b
     n, runs, k = int(r.integers(7, 14)), int(r.integers(3, 6)), pace(r)
     lengths = {q: m.travel[q][1] - m.travel[q][0] for q in (a, b)}
-    whole = np.hypot(*(0.9 * lengths[q] for q in (a, b)))
+    whole = np.hypot(0.9 * lengths[a], 0.9 * lengths[b])
     begin, where = 0.0, somewhere(r, m)
     share = np.round(np.linspace(0, 1, n), 6)
     for letter, signs in (("P", (1, 1)), ("N", (1, -1))):
@@ -257,7 +251,6 @@ def diagonals(r: Rng) -> Case:
             f"diag_{c.pair}_P{letter}.csv",
             Cycle(share, runs, "linear", 0.004, **k),
             where,
-            LASER,
             begin,
             {q: seen.get(q, 0.0) for q in m.axes},
             lines=lines,

@@ -107,8 +107,8 @@ def load(r: Rng) -> Case:
     where = somewhere(r, m)
     spots = [where[a]]
     if r.random() >= 0.6:
-        inner = np.array(m.travel[a]) * 0.8 + 0.1 * sum(m.travel[a])
-        spots = list(np.round(np.linspace(*inner, 3), 1))
+        low, high = np.array(m.travel[a]) * 0.8 + 0.1 * sum(m.travel[a])
+        spots = np.round(np.linspace(low, high, 3), 1).tolist()
     rows, t = [], 0.0
     runs = int(r.integers(3, 6))
     for k in range(len(spots) * runs):

@@ -77,8 +77,12 @@ def hide(c: Case, form: Form, r: Rng, size: float) -> tuple[list[Fields], Hidden
 
 
 def _seen(c: Case, shape: list[Fields], others: list[list[Fields]], r: Rng) -> float:
-    modes = [c.machine.unknown_modes(rec) if rec.sees_tables else [] for rec in c.recs]
-    return visibility(c.recs, c.noises, shape, others, r, modes)
+    modes = [c.machine.unknown_modes(rec) for rec in c.recs if rec.sees_tables]
+    tables = [
+        (mode[0][0], [rec.project(moved) for rec, (_, moved) in zip(c.recs, mode, strict=True)])
+        for mode in zip(*modes, strict=True)
+    ]
+    return visibility(c.recs, c.noises, shape, others, r, tables)
 
 
 def _nuisances(c: Case, effect: str) -> list[list[Fields]]:
@@ -232,7 +236,7 @@ def equivalent(c: Case, effect: str, shape: list[Fields], size: float, r: Rng) -
     plans = {c.plan}.union(*(alike for alike in ALIKE if c.plan in alike))
 
     def left(others: list[list[Fields]]) -> float:
-        return visibility(c.recs, c.noises, shape, others, r)
+        return visibility(c.recs, c.noises, shape, others, r, [])
 
     whole, found = left([]), []
     for name in sorted(FORMS):
@@ -264,14 +268,8 @@ def make(seed: int, tier: str, number: int, alike: bool = True) -> Made:
     r = np.random.default_rng([seed, t, number])
     drawn = _drawer(seed, tier, number)(r)
     c = drawn.case
-    if alike and tier in ("single", "pair"):
-        q = np.random.default_rng([seed, t, number, 5])
-        for truth, shape in zip(drawn.truths, drawn.shapes, strict=True):
-            turned, of_other = copy.copy(c), c.other and truth["axis"] == c.other
-            if tier == "pair" and of_other and truth["effect"] != "sag":
-                turned.axis, turned.other = c.other, c.axis
-            of = truth["effect"], shape, truth["peak_um"]
-            truth["confusable"] = equivalent(turned, *of, q)
+    if alike:
+        _add_alike(drawn, np.random.default_rng([seed, t, number, 5]))
     truth = {
         "tier": tier,
         "truth": drawn.truths,
@@ -281,6 +279,15 @@ def make(seed: int, tier: str, number: int, alike: bool = True) -> Made:
         **drawn.more,
     }
     return Made(f"{tier}_{number:03d}", _files(c, _signals(r, c, drawn.shapes), r), truth)
+
+
+def _add_alike(drawn: Drawn, r: Rng) -> None:
+    c = drawn.case
+    for truth, shape in zip(drawn.truths, drawn.shapes if drawn.truths else [], strict=True):
+        turned, of_other = copy.copy(c), c.other and truth["axis"] == c.other
+        if len(drawn.truths) > 1 and of_other and truth["effect"] != "sag":
+            turned.axis, turned.other = c.other, c.axis
+        truth["confusable"] = equivalent(turned, truth["effect"], shape, truth["peak_um"], r)
 
 
 def _drawer(seed: int, tier: str, number: int) -> Callable[[Rng], Drawn]:

@@ -38,41 +38,39 @@ def visibility(
     shapes: list[Fields],
     others: list[list[Fields]],
     r: Rng,
-    modes: list[list[tuple[float, Fields]]] | None = None,
+    tables: list[tuple[float, list[Fields]]],
 ) -> float:
     """Standard deviations by which the shape stands out: the square root of its whitened energy
-    that zeros, other shapes and the tables' modes (of a known spread, common to all recordings) do
-    not take. others: shape by shape, recording by recording; modes: by recording."""
+    that zeros, other shapes and what the tables may lack do not take. shapes, and each of others:
+    by recording; tables: standard deviation, and shape by recording."""
     n_zero = sum(len(rec.zeros()) * len(rec.channels) for rec in recs)
-    n_free = n_zero + len(others)
-    spreads = [sd for sd, _ in max(modes, key=len)] if modes else []
-    size = n_free + len(spreads)
+    free = [*others, *(shape for _, shape in tables)]
+    size = n_zero + len(free)
     normal, right, energy, zero_at = np.zeros((size, size)), np.zeros(size), 0.0, 0
     for k, rec in enumerate(recs):
-        tables = [rec.project(moved) for _, moved in modes[k]] if modes else []
-        none = np.zeros(rec.n)
         for channel in rec.channels:
             white = _whitener(r, rec, noises[k])
-            s = white(shapes[k].get(channel, none))
+            s = white(shapes[k].get(channel, np.zeros(rec.n)))
+            columns = dict(enumerate(rec.zeros(), zero_at))
+            zero_at += len(columns)
+            columns |= {j: y[k][channel] for j, y in enumerate(free, n_zero) if channel in y[k]}
             x = np.zeros((rec.n, size))
-            for q in rec.zeros():
-                x[:, zero_at] = white(q)
-                zero_at += 1
-            for j, other in enumerate(others):
-                if channel in other[k]:
-                    x[:, n_zero + j] = white(other[k][channel])
-            for j, moved in enumerate(tables):
-                x[:, n_free + j] = white(moved.get(channel, none))
+            for j, y in columns.items():
+                x[:, j] = white(y)
             normal += x.T @ x
             right += x.T @ s
-            energy += s @ s
-    if spreads:
-        at = range(n_free, size)
-        normal[at, at] += 1 / np.maximum(np.array(spreads), 1e-6) ** 2
+            energy += float(s @ s)
+    for at, (spread, _) in enumerate(tables, n_zero + len(others)):
+        normal[at, at] += 1 / max(spread, 1e-6) ** 2
+    return _left(normal, right, energy)
+
+
+def _left(normal: Array, right: Array, energy: float) -> float:
+    """The square root of what least squares leave of an energy."""
     scale = np.sqrt(np.maximum(np.diag(normal), 1e-20))
     right = right / scale
     found = np.linalg.lstsq(normal / scale[:, None] / scale[None], right, rcond=1e-10)[0]
-    return float(np.sqrt(max(energy - right @ found, 0)))
+    return float(np.sqrt(max(energy - float(right @ found), 0.0)))
 
 
 def _whitener(r: Rng, rec: Recording, noise: Noise) -> Callable[[Array], Array]:
