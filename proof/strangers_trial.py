@@ -30,6 +30,7 @@ import secrets
 import subprocess
 import sys
 from collections import defaultdict
+from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
@@ -98,14 +99,14 @@ def main(argv: list[str] | None = None) -> int:
     return 0
 
 
-def counts(text: str) -> dict[str, int]:
+def counts(text: str, tiers: Iterable[str] = TIERS) -> dict[str, int]:
     """`null=60,single=60` as a table of cases; tiers that it does not name have none."""
     found = {}
     for part in text.split(","):
         tier, _, n = part.partition("=")
-        if tier not in TIERS or not n.isdigit() or int(n) < 1:
+        if tier not in tiers or not n.isdigit() or int(n) < 1:
             raise argparse.ArgumentTypeError(
-                f"{part!r} is not <tier>=<number of cases>; tiers are {', '.join(TIERS)}"
+                f"{part!r} is not <tier>=<number of cases>; tiers are {', '.join(tiers)}"
             )
         found[tier] = int(n)
     return found
@@ -142,7 +143,7 @@ def trial(
     trial_run.run(work / "cases", work / "answers", jobs)
     if beside:
         answers["before"] = work / "before"
-        _other(beside, work / "cases", work / "before", jobs)
+        with_tool(beside, work / "cases", work / "before", jobs)
     laid |= {f"answers_sha256_{who}": trial_run.digest(out) for who, out in answers.items()}
     (kept / "commitment.json").write_text(json.dumps(laid | {"salt": salt.hex()}, indent=1) + "\n")
     outcomes = {who: judged(out, truth, details) for who, out in answers.items()}
@@ -189,7 +190,7 @@ def _made(work: tuple[str, str, int, Path, str]) -> tuple[str, list, dict]:
     )
 
 
-def _other(tool: Path, cases: Path, out: Path, jobs: int) -> None:
+def with_tool(tool: Path, cases: Path, out: Path, jobs: int) -> None:
     """The same cases, one shot, with the tool of another checkout."""
     script = (
         "import sys; sys.path[:0] = [{tool!r}, {root!r}]\n"
@@ -326,6 +327,14 @@ def page(
         f" `{laid['cases_sha256'][:16]}...`, of the salted truth `{laid['truth_sha256'][:16]}...`,"
         f" of the answers `{laid['answers_sha256_now'][:16]}...`.\n\n"
     )
+    return head + table(rows, outcomes, details)
+
+
+def table(
+    rows: dict[str, list[Line]], outcomes: list[score.Outcome], details: dict[str, Any]
+) -> str:
+    """Rows of the tool now, beside those of the tool before if there are any; then the share named
+    by effect, and by kind of noise. outcomes: of the tool now."""
     before = {r.name + str(k): r for k, r in enumerate(rows["before"])} if "before" in rows else {}
     names = (
         "what",
@@ -340,11 +349,11 @@ def page(
     for k, r in enumerate(rows["now"]):
         was = before.get(r.name + str(k))
         cells.append([*r.cells(), *([was.cells()[2]] if was else [])])
-    table = "\n".join(
+    text = "\n".join(
         "| " + " | ".join(c) + " |" for c in [list(names), ["---"] * len(names), *cells]
     )
     return (
-        f"{head}{table}\n\nNamed of hidden (singles, masked, pairs, triples):"
+        f"{text}\n\nNamed of hidden (singles, masked, pairs, triples):"
         f" {_by_effect(outcomes)}.\n\nNamed of nulls, by kind of noise:"
         f" {_by_noise(outcomes, details)}.\n"
     )

@@ -58,7 +58,7 @@ def seed(freeze: str, tier: str) -> str:
     return hashlib.sha256(f"{freeze}/{tier}".encode()).hexdigest()
 
 
-def _git(*words: str) -> str:
+def git(*words: str) -> str:
     done = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True)
     if done.returncode:
         raise SealError(f"git {' '.join(words)}: {done.stderr.strip() or 'failed'}")
@@ -68,9 +68,9 @@ def _git(*words: str) -> str:
 def frozen(wanted: str = "HEAD") -> str:
     """The full id of the freeze commit. Raises SealError if the tool here is another than at that
     commit."""
-    commit = _git("rev-parse", "--verify", f"{wanted}^{{commit}}").strip()
-    moved = _git("diff", "--name-only", commit, "--", *FROZEN).split()
-    moved += _git("ls-files", "--others", "--exclude-standard", "--", *FROZEN).split()
+    commit = git("rev-parse", "--verify", f"{wanted}^{{commit}}").strip()
+    moved = git("diff", "--name-only", commit, "--", *FROZEN).split()
+    moved += git("ls-files", "--others", "--exclude-standard", "--", *FROZEN).split()
     if moved:
         raise SealError(
             f"the tool is not the one frozen by {commit[:10]}: {len(moved)} files differ,"
