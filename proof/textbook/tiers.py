@@ -14,7 +14,7 @@ import numpy as np
 # the modules of forms write themselves down in the registry
 from . import aliens, geometry, heat, instruments, motion, servo  # noqa: F401
 from .adversity import NAMES, harm
-from .base import Array, Fields, Redraw, Rng, log_uniform, pick
+from .base import Fields, Redraw, Rng, log_uniform, pick
 from .case import Case
 from .files import machine_files, recording_file
 from .noise import draw_noise, make_noise
@@ -105,21 +105,19 @@ def null(r: Rng) -> Drawn:
     c = build(r, pick(r, NULL_PLANS))
     if r.random() >= 0.25:
         return Drawn(c)
-    moved: Callable[[Any], dict[str, Array]]
     if c.plan in ("laser", "laser_fine", "probing", "ballbar"):
         width = round(log_uniform(r, 2, 12), 2)
         c.machine.declared = [{"name": "backlash", "axis": c.axis, "size_um": width}]
-        moved = lambda rec: {c.axis: motion.play(rec, c.axis, width)}  # noqa: E731
+        shape = [rec.project({c.axis: motion.play(rec, c.axis, width)}) for rec in c.recs]
     elif c.plan in ("ts_lin", "ts_circ"):
         tau = round(log_uniform(r, 0.05, 0.5), 3)
         moving = c.recs[0].moving
         c.machine.declared = [{"name": "servo_lag", "axis": a, "tau_ms": tau} for a in moving]
-        moved = lambda rec: {a: -rec.vel[a] * tau for a in moving}  # noqa: E731
+        shape = [rec.project({a: -rec.vel[a] * tau for a in moving}) for rec in c.recs]
     else:
         return Drawn(c)
     for effect in c.machine.declared:
         effect["source"] = "earlier diagnosis"
-    shape = [rec.project(moved(rec)) for rec in c.recs]
     return Drawn(c, [shape], more={"declared": c.machine.declared})
 
 
