@@ -8,6 +8,7 @@ smooth maps it asks for two pieces an arc at most."""
 
 from __future__ import annotations
 
+import math
 import sys
 from itertools import islice
 from pathlib import Path
@@ -167,3 +168,27 @@ def test_nodes_lie_where_the_command_passes_them(role, sweep):
     course = command(np.linspace(t0, t1, 1000))
     passed = np.diff(course[:, None] > node, axis=0).sum(axis=0)
     assert np.bincount(found[0], minlength=n).tolist() == passed.tolist() and passed.sum() > 9
+
+
+@pytest.mark.parametrize("third", [1e-9, 0.1, 40.0])
+def test_what_hides_between_samples_by_hand(monkeypatch, third):
+    """An arc of 2 rad without a node on it, of a third derivative (mm per cubic radian): samples
+    are h apart, where h^3 third / (9 sqrt 3) is a sixteenth of the tolerance at most and h 0.5 rad;
+    that remainder goes off the tolerance, and a quarter of the sixteenth for nodes left out."""
+    arcs = SimpleNamespace(sweep=np.array([2.0]), radius=np.ones(1), radius_end=np.ones(1))
+    f = SimpleNamespace(
+        arcs=arcs, plain=np.ones(1, bool), total=0.001, tolerance=0.0007, tolerance_across=0.0007,
+        machine=SimpleNamespace(bounds=SimpleNamespace(kink=1e-6)),
+    )  # fmt: skip
+    one = np.zeros(1)
+    rows = type("Rows", (), {"__len__": lambda self: 1})()
+    rows.arc, rows.t0, rows.t1 = one.astype(int), one, one + 1
+    monkeypatch.setattr(stretches, "_ends", lambda f, rows: one)
+    monkeypatch.setattr(stretches, "_crossings", lambda f, rows, shift: [])
+    monkeypatch.setattr(stretches, "_steepness", lambda *_: (one, one + third))
+    found = stretches.stretches(f, rows)
+    widest = min((0.001 / 16 * 9 * math.sqrt(3) / third) ** (1 / 3), 0.5)
+    parts = max(math.ceil(2.0 / widest), 2)
+    assert found.parts.tolist() == [parts]
+    remainder = (2.0 / parts) ** 3 * third / (9 * math.sqrt(3))
+    assert found.rest.tolist() == pytest.approx([remainder + 0.001 / 64])

@@ -167,6 +167,24 @@ def test_a_slide_behind_the_tip_has_no_side_where_it_came_from_nowhere(monkeypat
     assert after.side.tolist() == [1] and after.located.all()
 
 
+def test_a_way_back_as_long_as_the_hysteresis_does_not_turn_a_slide():
+    """From where it turned the window comes to its other end, and carries nothing yet: 2 ticks
+    are the hysteresis, 3 turn. What stays where it is is not turned; a hole says its side."""
+    course = sides.Course.__new__(sides.Course)
+    course.travel = np.array([[2, 3, -2, -3, 3, -2]])
+    course.band = np.array([2])
+    course.stays = np.array([[False, False, False, False, True, False]])
+    course.given, course.sense = np.zeros((1, 6), bool), np.zeros((1, 6), np.int64)
+    course.given[0, 5], course.sense[0, 5] = True, 1
+    sign, leads = course.leads
+    assert leads[0].tolist() == [False, True, False, True, False, True]
+    assert sign[leads].tolist() == [1, -1, 1]
+    place = np.array([[10, 8, 7]])
+    no = np.zeros(place.shape, bool)
+    side, _ = bear(place, course.band, np.zeros_like(place), no, no, initial(1))
+    assert side[0].tolist() == [1, 1, -1]
+
+
 # -- by hand ---------------------------------------------------------------------------------------
 
 LEANING = "G21 G90\nG0 X0 Y0 Z5\nG1 Z-1 F300\nG1 X100 F800\nG1 X20\nG1 Y100\nM2\n"

@@ -301,6 +301,21 @@ def test_a_correction_that_is_too_large(tmp_path):
     assert "machine.toml" in error.advice
 
 
+@pytest.mark.parametrize("mode", ["mean", "step", "ramp", "off"])
+def test_an_axis_whose_place_is_not_known_has_no_correction_that_is_too_large(tmp_path, mode):
+    """The map moves X by 1 mm at X0, more than the limit of 0.5; Z is led, and where X stands is
+    not known: it may stand at X500, where the map moves nothing."""
+    folder = shutil.copytree(ROOT / "machines" / "perfect", tmp_path / "machine")
+    (folder / "X.csv").write_text("X_mm,EXX_um\n0,1000\n500,0\n")
+    (folder / "Z.csv").write_text("Z_mm,EZZ_um\n0,3\n500,3\n")
+    machine, options = read_machine(folder), Options(reversal=mode)
+    filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine), options)
+    out = filter_.feed(b"G21 G90\nG0 Z10\nX500 Y5\n") + filter_.finish()
+    assert out.decode().splitlines()[2:] == ["G0 Z9.9970", "X500 Y5"]
+    case = Case("", "")
+    assert "the correction of X is 1.0000 mm" in refusal(machine, case, "G90\nG0 X0\n").message
+
+
 def test_in_a_line_of_several_blocks_the_right_one_is_marked():
     error = refusal(GRINDER, Case("", ""), HEAD + "G1 X30. F10; Z20.; X30. X31.; Z30.\n")
     assert error.place.line == 5

@@ -287,7 +287,7 @@ def check_limits(b: Batch) -> float:
     if b.fixed:
         correction = correction.take(b.c.at, axis=0)
     if not b.every:
-        correction = np.where((b.correctable & free).take(b.c.at, axis=0), correction, 0.0)
+        correction = np.where(b.correctable.take(b.c.at, axis=0), correction, 0.0)
     largest = b.machine.limits.max_correction
     most = float(correction.max(initial=0.0))
     low, high = b.c.travel

@@ -350,3 +350,52 @@ def test_members_are_settled_beside_a_process_that_comes_behind_them(monkeypatch
     monkeypatch.setattr(search, "_commonest", lambda best, states: best)
     monkeypatch.setattr(search, "_dropped", lambda best: best)
     assert search._chosen() is (settled if process else named)
+
+
+@pytest.mark.parametrize(
+    "grown, afresh, likelier",
+    [
+        (0.5, 9.0, False),  # nothing has grown: what was learned before is right, and is not left
+        (1.5, 9.0, True),
+        (1.5, 3.0, False),
+    ],
+)
+def test_sizes_are_learned_afresh_where_what_was_learned_before_has_grown(grown, afresh, likelier):
+    """Beside a set of which something grew beyond what is usual the likelier of two fits is taken:
+    from its sizes (worth 5), and from the usual ones."""
+    evidence = SimpleNamespace(
+        parts=[],
+        shared_usual=np.ones(1),
+        learn=lambda *_, afresh=False: fits[afresh],
+    )
+    fits = {False: SimpleNamespace(value=5.0), True: SimpleNamespace(value=afresh)}
+    like = found((), 0.0)
+    like.fit.parts, like.fit.shared = [], np.array([2 * grown])
+    sets = cast(Any, SimpleNamespace(evidence=evidence))
+    least = np.zeros(0)
+    assert Sets._learned(sets, (LAG,), like, frozenset(), least) is fits[likelier]
+
+
+def test_sets_that_were_seen_on_the_way_are_looked_at_again_but_for_empty_and_barred_ones(
+    monkeypatch,
+):
+    """Beside the ends of the growth: of what was fitted on the way the best, with members or a
+    process, none of whose members is barred."""
+    sets: Any = Dictionary(("backlash", "X", {}, False), ("servo_lag", "X", {}, False))
+    nothing, at_another_form = found((), 0.0), found((), 70.0)
+    process = found((), 20.0)
+    process.fit.on = frozenset({(0, "place")})
+    friction, barred = found((FRICTION,), 50.0), found((LAG,), 60.0)
+    every = [at_another_form, process, friction, barred, nothing]
+    sets.seen, sets.null, sets.evidence = dict(enumerate(every)), lambda: nothing, None
+    search, looked = Search(sets), []
+    search._barred = {sets.blocks[LAG].key}
+    monkeypatch.setattr(search_module, "wandered", lambda evidence, fit: False)
+    monkeypatch.setattr(search, "_grown", lambda start, children, ahead=0: [start])
+    monkeypatch.setattr(search, "_settled", lambda state: state)
+    monkeypatch.setattr(search, "_special", lambda state: [])
+    monkeypatch.setattr(search, "_likeliest", lambda states: looked.extend(states) or states[0])
+    for step in ("_commonest", "_dropped"):
+        monkeypatch.setattr(search, step, lambda state, *_: state)
+    search._chosen()
+    assert [state for state in looked if state is not nothing] == [friction, process]

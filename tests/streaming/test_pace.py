@@ -12,6 +12,7 @@ from postproc.streaming.events import Status
 from postproc.streaming.lines import WireLine
 from postproc.streaming.pace import Pace
 from postproc.streaming.protocols import Controller
+from postproc.streaming.rates import Clock
 from tests.streaming import real_grbl
 from tests.streaming.real_grbl import RECORD, RealGrbl
 
@@ -171,3 +172,20 @@ def test_a_real_grbl_takes_as_long_as_it_was_told(tmp_path):
     assert report["outcome"] == "done" and report["sent"] == report["lines"] == report["executed"]
     print(f"\nsaid {report['expected_s']} s, took {took:.2f} s")
     assert report["expected_s"] == pytest.approx(took, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("done", "spent", "left"),
+    [
+        (5.0, 50.0, 95.0),  # five seconds of the program, and five of the clock, say no pace yet
+        (20.0, 5.0, 80.0),
+        (5.5, 11.0, 2 * 94.5),  # then twice as slow so far is twice as slow to the end
+        (11.0, 5.5, 89.0 / 2),
+        (20.0, 200.0, 4 * 80.0),  # never more than four times, nor less than half
+        (60.0, 6.0, 40.0 / 2),
+    ],
+)
+def test_what_is_left_by_the_pace_of_the_job_so_far(done, spent, left):
+    """Of 100 s; 7 s in a hold say nothing of the pace."""
+    clock = Clock(expected=100.0, started=1000.0, done=done, held=7.0)
+    assert clock.left(1000.0 + 7.0 + spent) == pytest.approx(left)
