@@ -239,6 +239,22 @@ def test_a_code_that_goes_takes_one_blank_along(tmp_path, block, first):
     assert "G9" not in lines[at] and "G9" in lines[at + 1], lines
 
 
+def test_the_code_of_the_block_behind_a_cut_one_stays(tmp_path):
+    """Both stop exactly; only the first is cut, and gives its G9 to its last piece."""
+    m = read_machine(machine(tmp_path / "m", "X_mm,EXX_um\n-10,0\n100,0\n200,20\n400,20\n"))
+    filter_ = Filter(m, dialects.load("fanuc-mill"), setup_of(m, {}), Options(tolerance=0.2 * UM))
+    text = b"G21G90\nG1X150.Z0F500\nG9 X300.\nG9 X310.\nM30\n"
+    lines = (filter_.feed(text) + filter_.finish()).decode().split("\n")
+    assert [line.startswith("G9") for line in lines[-6:]] == [
+        False,
+        False,
+        True,
+        True,
+        False,
+        False,
+    ]
+
+
 @pytest.mark.parametrize("um, moves", [(0.30, False), (0.32, True)])
 def test_an_axis_that_rests_moves_for_more_than_half_its_share(tmp_path, um, moves):
     """By hand: of 1 um an eighth pays for products, the rest is shared by two axes: 0.875 / sqrt 2

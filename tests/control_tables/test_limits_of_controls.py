@@ -24,6 +24,7 @@ from postproc.control_tables import (
     siemens_cec,
     siemens_enc_comp,
 )
+from postproc.control_tables._common import checked
 from postproc.control_tables._thinning import thinned
 from postproc.errors import UsageError
 from postproc.recordings import Source
@@ -263,3 +264,12 @@ def test_nothing_to_write_twice_the_same_and_values_that_are_none_are_refused():
     ):
         with pytest.raises(TableError, match=words):
             linuxcnc.write(group, HOME)
+
+
+@pytest.mark.parametrize("step", [1.0, 0.05, 1e-6])
+def test_nodes_ascend_by_any_step(step):
+    made = table([0.0, 1.0, 2.0], step=step)
+    assert checked([made]) == [made]
+    for nodes in (made.nodes * 0, -made.nodes, made.nodes[:0]):
+        with pytest.raises(TableError, match="the nodes of EXX do not ascend"):
+            checked([replace(made, nodes=nodes)])

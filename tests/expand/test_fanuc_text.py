@@ -91,6 +91,8 @@ def test_round_in_words_and_numbers_of_variables():
         "G21",
         "X1.003",
     ]
+    # an empty variable counts as 0 in a function (B-64304EN-1, "undefined variable")
+    assert plain("X[ROUND[#1]]\nX[ROUND[#1]+2.5]\n") == ["X0.", "X2.5"]
     # Haas 96-8000: "sets #3 to the value 6.5"
     assert plain("#1=3\n#[#1]=3.5+#1\nX#3\n") == ["X6.5"]
     assert plain("#5=7\n#7=9.5\nX##5\nX#[#5-0.4]\n") == ["X9.5", "X9.5"]  # rounded

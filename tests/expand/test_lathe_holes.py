@@ -116,3 +116,20 @@ def test_where_a_haas_lathe_ends_behind_a_hole_is_said_and_nothing_counts_from_t
     assert home.text == b"G28 U0 W0."
     assert resolver.take(Line(b"Z9.", 6))[0].text == b"Z9."
     assert resolver.take(Line(b"W1.", 7))[0].text == b"W1."
+
+
+@pytest.mark.parametrize(
+    ("program", "bottoms"),
+    [
+        ("G0 X10. Z5.|G83 Z-10. R2. I4. J1. K2. F.1", ["Z-2.", "Z-5.", "Z-7.", "Z-9.", "Z-10."]),
+        (
+            "G0 X60. Z5.|G243 X20. R50. I4. J1. K2. F.1",
+            ["X42.", "X36.", "X32.", "X28.", "X24.", "X20."],
+        ),
+    ],
+)
+def test_pecks_that_grow_less_are_lengths_along_z_and_radii_along_x(program, bottoms):
+    """Haas lathe operator's manual, G83 and G243: the first peck is I, each one J less, none below
+    K. From Z2: 4, 3, 2, 2 and what is left; from the diameter 50 twice that."""
+    lines = lathe(program, "haas-lathe")
+    assert [line.removeprefix("G1 ") for line in lines if line.startswith("G1")] == bottoms

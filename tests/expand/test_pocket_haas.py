@@ -245,3 +245,32 @@ def test_a_shape_that_begins_in_a_corner_is_refused():
     corner = "G1 X62.5 Y62.5|X-62.5|Y-62.5|X62.5|Y62.5"
     with pytest.raises(ProgramError, match="begins in a corner"):
         written(part(corner, CALL.format(7, 12.0, 0.25)))
+
+
+def test_the_ends_of_an_element_divide_it_nowhere():
+    """Of a line and of a quarter circle: a place between its ends has a share, an end has none."""
+    line = Piece(0, (0.0, 0.0), (10.0, 0.0))
+    quarter = Piece(1, (5.0, 0.0), (0.0, 5.0), (0.0, 0.0))
+    assert [line.share_of(p) for p in ((0.0, 0.0), (10.0, 0.0), (4.0, 1.0))] == [None] * 3
+    assert line.share_of((4.0, 0.0)) == pytest.approx(0.4)
+    assert [quarter.share_of(p) for p in ((5.0, 0.0), (0.0, 5.0), (3.0, 3.0))] == [None] * 3
+    assert quarter.share_of((5 * math.sqrt(0.5), 5 * math.sqrt(0.5))) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(
+    ("centre", "radius", "met"),
+    [
+        (3.0, 2.0, [(5.0, 0.0)]),  # touches from within
+        (7.0, 2.0, [(5.0, 0.0)]),  # and from outside
+        (2.0, 2.0, []),
+        (8.0, 2.0, []),
+        (6.0, 5.0, [(3.0, 4.0), (3.0, -4.0)]),
+        (0.0, 5.0, []),  # the same circle
+    ],
+)
+def test_where_two_circles_meet_by_hand(centre, radius, met):
+    """One of radius 5 about the zero, the other about a place on X."""
+    one = Piece(1, (5.0, 0.0), (-5.0, 0.0), (0.0, 0.0))
+    other = Piece(1, (centre + radius, 0.0), (centre - radius, 0.0), (centre, 0.0))
+    found = {(round(x, 9), round(y, 9)) for x, y in pocket_path._circles(one, other)}
+    assert found == {(x, y + 0.0) for x, y in met}

@@ -276,3 +276,18 @@ def test_a_threading_cycle_stays():
     assert holes(text) == [
         "CYCLE97(2,,-3.5,-31.708,40,40,4,0,1.227,0,30,0,10,1,3,1)", 'CYCLE99(,"A",3)', "X5",
     ]  # fmt: skip
+
+
+COARSE = [  # ISO 261, coarse pitches of the first choice and those of M7, M9, M11, M14 and so on
+    (3, "0.5"), (4, "0.7"), (5, "0.8"), (6, "1."), (7, "1."), (8, "1.25"), (9, "1.25"), (10, "1.5"),
+    (11, "1.5"), (12, "1.75"), (14, "2."), (16, "2."), (18, "2.5"), (20, "2.5"), (22, "2.5"),
+    (24, "3."), (27, "3."), (30, "3.5"), (33, "3.5"), (36, "4."), (39, "4."), (42, "4.5"),
+    (45, "4.5"), (48, "5."),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("size", "pitch"), COARSE)
+def test_a_thread_by_its_size_has_the_coarse_pitch(size, pitch):
+    """CYCLE84, MPIT: the nominal diameter of a metric thread, 3 to 48."""
+    made = holes(f"S300 M3\nG1 X1\nCYCLE84(5,0,2,-10,,0,3,{size},,0,500,500)\n")
+    assert f"G331 Z-10. K{pitch} S500." in made

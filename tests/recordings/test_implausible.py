@@ -220,3 +220,13 @@ def test_numbers(word, value):
         )
         == value
     )
+
+
+def test_where_a_run_has_readings_of_both_directions_nothing_is_said():
+    """Six runs by turns, of which one reading stands under the other direction: there is no split
+    of runs to be compared with."""
+    run, target, value, _ = drawn(6, parity)
+    sign = np.ones(len(run))
+    assert split.better_split(run, target, value, sign) is not None
+    sign[0] = -1
+    assert split.better_split(run, target, value, sign) is None

@@ -106,6 +106,10 @@ def test_a_trace_a_circle_and_features():
     assert_allclose(circle.position("Y"), [300, 450, 300])
     assert_allclose(circle.reading, [0.0015, -0.0025, 0.0])
     assert_allclose(circle.columns["sense"], [1, 1, -1])
+    text_mm = text.replace("1,5", "0,0015").replace("-2,5", "-0,0025")
+    columns_mm = {"angle_deg": "angle", "radial_mm": "dev", "sense": "dir"}
+    same = taken("c.csv", text_mm, columns=columns_mm, head=head)
+    assert_allclose(same.reading, [0.0015, -0.0025, 0.0])
     with pytest.raises(UsageError, match="a ballbar needs radius_mm"):
         taken("c.csv", text, columns=columns)
 

@@ -134,7 +134,7 @@ class LinuxcncDrilling(Drilling):
         axis = job.hole.axis
         initial = (self.initial or 0.0) * scene.double(axis)
         counts = scene.incremental or scene.code("return") == INITIAL_LEVEL
-        if self.stays or self.initial is None or not counts or not scene.differs(axis, initial):
+        if self.stays or not counts or not scene.differs(axis, initial):
             return [block.text]
         if scene.at(axis) > initial:
             raise scene.fault(
