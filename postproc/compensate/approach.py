@@ -59,6 +59,8 @@ def scan(low: np.ndarray, high: np.ndarray, carry: np.ndarray) -> np.ndarray:
     for least, most in zip(low, high, strict=True):
         width = 1
         while width < len(least):
+            # Clamp k now stands for itself and width - 1 before it. Where both bounds meet it
+            # leaves one place, whatever came before, and is done.
             open_ = (least[width:] < most[width:]).nonzero()[0]
             if not len(open_):
                 break
@@ -141,6 +143,8 @@ def ramp(
     travel (A, S): ticks, signed, that count; given (A, S): where it is `value` (A, S) whatever was
     before; carry (A,).
     """
+    # The state less all travel so far changes by clamps alone, whose bounds move by that travel: so
+    # this too is one scan.
     total = np.cumsum(travel, axis=1)
     low = np.where(given, value, -reach[:, None]) - total
     high = np.where(given, value, reach[:, None]) - total

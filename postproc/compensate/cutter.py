@@ -184,6 +184,10 @@ def behind(b: Columns, chosen: np.ndarray) -> np.ndarray:
     last = np.concatenate([[-1], last[:-1]])[chosen]
     before = np.where(last >= 0, ends[:, np.maximum(last, 0)], np.array(b.carry.heading)[:, None])
     radius = b.m.radius[b.motion[chosen]]
+    #        |   |     An inside corner to the left, the tool on the left: the shifted ways lie r
+    #        |   |     beside their blocks and meet at +, as far before the corner o as behind it:
+    #     ---+   |     r / tan((pi - turn) / 2) = r tan(turn / 2)
+    #     -------o
     across = before[0] * begins[1] - before[1] * begins[0]
     along = (before * begins).sum(axis=0)
     # One that turns right back counts as an inside corner on either side: behind an arc LinuxCNC

@@ -63,6 +63,7 @@ def stretches(f: Fitter, rows: Rows) -> Stretches:
     passed = _crossings(f, rows, shift) if plain.any() else []
     owner = np.concatenate([np.arange(len(rows)), *(o for o, _ in passed)])
     t = np.concatenate([rows.t0, *(at for _, at in passed)])
+    # One sort for all rows: the share of the way, halved, stays below the step between two rows.
     order = np.argsort(owner + (t - rows.t0[owner]) / (rows.t1 - rows.t0)[owner] / 2, kind="stable")
     owner, t = owner[order], t[order]
     first = np.concatenate([[True], owner[1:] != owner[:-1]])
@@ -77,6 +78,7 @@ def stretches(f: Fitter, rows: Rows) -> Stretches:
     if plain.any():
         steep, third = _steepness(f, rows, owner, (t + until) / 2, shift)
     turn = sweep[owner] * (until - t)
+    # h from h^3 |third| / (9 sqrt 3) = SHARE of the tolerance, the remainder that is left between.
     wide = np.minimum(np.cbrt(f.total * SHARE / (REMAINDER * third)), WIDEST)
     parts = np.where(plain[owner], np.maximum(np.ceil(turn / wide), 2), 0).astype(np.int64)
     dense = np.flatnonzero(~plain)
@@ -190,6 +192,8 @@ def _on_circle(
         share, t = np.full(len(row), 0.5), t0
         for _ in range(3):  # the shift there is known when the place is
             beside = shift[0] + (shift[1] - shift[0]) * share
+            # Two places of a circle have this coordinate, at +angle and -angle from the first axis;
+            # the second axis sees a sine, which is the cosine from its own direction.
             cosine = (node - beside - centre) / radius
             angle = np.arccos(np.minimum(np.maximum(cosine, -1.0), 1.0)) * side
             if role:

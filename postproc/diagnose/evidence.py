@@ -250,6 +250,9 @@ class Evidence:
         sd = np.concatenate([shared[self.shared_of], now[layout.of] * layout.slab])
         a, b, value = self._summed(layout, touched, parts)
         a, b, value = a + kept[0], b + kept[1], value + kept[2]
+        # The step that took each unit's own columns out, once more for the shared ones: a is the
+        # precision of their coefficients, readings and prior together, and twice the logarithm of
+        # the evidence gains |root^-1 b|^2 - log det a - log det sd^2.
         a[np.diag_indices(len(sd))] += 1.0 / sd**2
         root = cholesky(a)
         half = solved(root, b[:, None])
@@ -264,6 +267,9 @@ class Evidence:
     def _renewed_shared(self, fit: Fit) -> np.ndarray:
         new, of, learned = fit.shared.copy(), self.shared_of, self.shared_learned
         many, usual = len(new), self.shared_usual[learned]
+        # MacKay's gamma: of so many coefficients as many count as the readings determine, the
+        # others are as wide as they were before (variance sd^2 each). The fixed point is sd^2 = sum
+        # of squares / gamma; MAP_SURE coefficients of the usual size stand beside them.
         spread = np.bincount(of, fit.covariance.diagonal()[: len(of)], many) / fit.shared**2
         dof = np.maximum(np.bincount(of, minlength=many) - spread, 0.0)[learned]
         power = np.bincount(of, fit.mean[: len(of)] ** 2, many)[learned]
@@ -315,6 +321,8 @@ class Evidence:
             half_d, half_y = solved(fit.root, fd), solved(fit.root, fy)
             dy -= half_d.T @ half_y
             by_column = half_d.T
+            # Of each block what the set says already is taken off, by the same step (Schur
+            # complement): what is left tells its own coefficients, the set learned beside it.
             dd -= np.einsum("pf,pf->p", *(by_column[number] for number in self.pairs))
         tried = [k for k in range(len(self.blocks)) if k not in self.fixed]
         widths = np.array([self.blocks[k].width for k in tried], int)

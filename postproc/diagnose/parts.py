@@ -186,6 +186,10 @@ class Part:
     def reduced(self, asked: Asked, sigma2: float, sd: np.ndarray) -> Reduced:
         """The unit with its own columns taken out, at these sizes."""
         own, root = sd[asked.own.of], asked.own.root(sigma2, sd)
+        # y = F c + B b + e with b of mean zero and deviations sd, integrated out (Woodbury):
+        #     C^-1 = 1/s2 - B M^-1 B' / s2^2,   M = B'B / s2 + sd^-2 = root root',
+        # so that with half = root^-1 B' [F y] / s2 each product X'C^-1Y is X'Y / s2 - half_X'
+        # half_Y, and log det C = n log s2 + log det M + log det sd^2.
         half = solved(root, asked.right / sigma2)
         hf, hy = half[:, :-1], half[:, -1]
         value = -len(self.y) * np.log(sigma2) - self.yy / sigma2 + float(hy @ hy)

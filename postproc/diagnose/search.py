@@ -56,6 +56,8 @@ class Search:
         null = self.sets.null()
         draws = drawn(self.sets.evidence, null.fit, rng, NULLS)
         best = (self.sets.evidence.scan(null.fit, draws)[0] - self.sets.cost[:, None]).max(axis=0)
+        # Gumbel's distribution has the deviation pi scale / sqrt 6 and the mean mode + 0.5772 scale
+        # (Euler's constant); a part p lies beyond mode - scale ln(-ln(1 - p)).
         scale = float(np.std(best)) * np.sqrt(6.0) / np.pi
         tail = float(np.mean(best)) - 0.5772 * scale - scale * np.log(-np.log(1 - CHANCE))
         self.least = max(LEAST, tail)
@@ -197,6 +199,10 @@ class Search:
     ) -> list[Found]:
         """The best of the sets that grow from one, with each number of members; up to `ahead` of
         them also where a member is worth nothing yet."""
+        #     start - children of it -> the WIDTH best -> children of each -> the WIDTH best -> ...
+        #                                   |                                    |
+        #                             best with one more                best with two more
+        # A set is reached by several orders of its members: its key keeps it once.
         beam, best = [start], [start]
         for level in range(MOST):
             grown = {}

@@ -172,6 +172,7 @@ def _turns_to(machine: Machine, normal: np.ndarray) -> list[tuple[float, ...]]:
     along = tool - second * (second @ tool)
     across = cross(second, tool)
     lifted = second * (second @ tool)
+    # a . R2 z is a . lifted + size cos(angle - phase): the angle is phase +- arccos(rest).
     size, phase = np.hypot(first @ along, first @ across), np.arctan2(first @ across, first @ along)
     rest = (first @ normal - first @ lifted) / size if size > ONE else 2.0
     if abs(rest) > 1 + ONE:

@@ -88,6 +88,9 @@ def _slid(
     way = np.zeros_like(tip)
     way[XYZ.index(letter)] = q
     if turns is not None:
+        # Abbe: an angle moves the tip by angle x arm, from the optic to the tip, on the body that
+        # the optic rides on: on the tool's the tip stands as it did before this slide, on the
+        # part's where the slide's way has taken it.
         own = (g.optic.get(letter) or g.chain.side(letter)) == "workpiece"
         arm = tip + way if own else tip
         off = off + cross(turns, arm - g.measured[letter][:, None])
@@ -126,6 +129,9 @@ def _swivelled(
     turn = rotation(letter, np.radians(q))
     moved, leant = _of_line(stands, tip - centre)
     tip = _turned(turn, tip - centre) + centre
+    # About a line displaced by d a point goes to R (p - d) + d = R p + (1 - R) d: what the
+    # displacement does to the arm is taken off before the turn and put back behind it, where the
+    # arm has turned.
     off, lean = _turned(turn, off - moved), _turned(turn, lean - leant)
     moved, leant = _of_line(stands, tip - centre)
     off, lean = off + moved, lean + leant
@@ -189,6 +195,9 @@ def _along_slides(
 ) -> list[np.ndarray]:
     """A deviation of the workpiece's frame, told along the slides that the machine has."""
     n = off.shape[1]
+    # From the part outwards: a slide's direction, as the part sees it, is turned by the rotary axes
+    # between both. Where none lies between two slides, their directions stand at right angles, and
+    # a projection on each is the answer.
     before = np.repeat(np.eye(3)[:, :, None], n, axis=2)
     slides: list[str] = []
     directions: list[np.ndarray] = []
@@ -225,6 +234,8 @@ def _solved(
     """(N, slides) mm along slides whose `directions`, (3, N), are not at right angles. Raises
     MachineError where two of them are one."""
     matrix = np.stack(directions, axis=1).transpose(2, 0, 1)  # (N, 3, slides)
+    # Normal equations D'D x = D'off: a machine of two slides reaches what lies in their plane. The
+    # determinant of D'D is the square of the area or volume that the directions span.
     square = np.einsum("nij,nik->njk", matrix, matrix)
     bad = np.flatnonzero(np.linalg.det(square) < SINGULAR**2)
     if len(bad):

@@ -161,6 +161,9 @@ class Shifted:
             and front.centre is not None
             and front.turns * self.side < 0
         )
+        # beta: the turn of the heading, + away from the tool:
+        #     -pi/2 .. 0       about 0          0 .. pi            beyond pi
+        #     inside: meet     straight on      outside: around    inside, by more than 90 degrees
         if beta < -CORNER or beta > pi + CORNER or over:
             self._move_end(self._meet(p, theta, beta))
         elif beta > CORNER:
@@ -192,6 +195,10 @@ class Shifted:
         sense = 1 if front.turns > 0 else -1
         theta = atan2(p[1] - op[1], p[0] - op[0]) + sense * pi / 2
         phi = atan2(front.centre[1] - op[1], front.centre[0] - op[0])
+        # The corner lies on the contour's circle, whose radius is that of the centre's one, `old`,
+        # with the tool's; d is how far the new line lies from the circle's centre. Its shifted line
+        # lies r nearer or farther, and that over `old` is the cosine of the angle at which both
+        # meet.
         d = (old + r if inside else old - r) * cos(theta - phi)
         cosine = (d - r if inside else d + r) / old
         if not -1.0 <= cosine <= 1.0:
@@ -261,6 +268,9 @@ class Shifted:
         apart = hypot(f[1] - m[1], f[0] - m[0])
         if old == 0 or apart == 0:
             raise Gouge("Arc to arc motion is invalid because the arcs have the same center")
+        # Law of cosines in the triangle of both centres and the place where the shifted circles
+        # meet: a is the cosine at the first centre, between the way to the other one and to that
+        # place.
         a = (old**2 + apart**2 - new**2) / (2 * old * apart)
         if not -1.0 <= a <= 1.0:
             raise Gouge(

@@ -148,6 +148,10 @@ class Roughing:
             )
         side = 1 if rest[-1].end[along] > c[along] else -1
         sense = 1 if rest[0].start[deep] > c[deep] else -1
+        # G71, one cut (G72: the same, X and Z exchanged):
+        #     begin  <------------- G0 --------------+
+        #       | infeed, one depth deeper            \  G0, 45 degrees by the escape
+        #     level  -------------- G1 --------------> stop, on the shape
         for level in self.levels():
             crossings = (e.crossing(deep, level) for e in rest)
             stop = next((v for v in crossings if v is not None), rest[-1].end[along])
@@ -177,6 +181,7 @@ class Roughing:
             )
         for k in range(1, passes + 1):
             level = here + sense * k * self.depth
+            # That depth is cut along the shape, as the last one.
             if (target - level) * sense <= NEAR:
                 return
             yield level

@@ -66,6 +66,9 @@ class Thread:
 
     def depths(self) -> list[float]:
         """How deep each pass goes below the peak."""
+        # LinuxCNC, "G76", R: the n-th pass is J n^(1/R) deep. The groove is a V, so its area grows
+        # by the square of the depth, and R2 takes off the same area in each pass; R1 the same
+        # depth.
         result: list[float] = []
         n, depth = 1, self.cut
         while depth < self.depth and len(result) <= MOST_PASSES:
@@ -96,6 +99,9 @@ class LinuxcncThread(Cycle):
             )
         m = Moves(scene, own_words(block, LETTERS, {code}))
         (x0, z0), (x1, z1) = thread.start, thread.end
+        # Q, the compound slide: a pass d deep is moved by d tan(Q) against the feed, so that the
+        # tool cuts with one flank; the full depth ends at Z. Entry and exit tapers go along a slope
+        # on which K, the way of a revolution, counts along the slope: Z keeps the pitch.
         far = z1 + thread.depth * math.tan(thread.angle)
         along = [b"K" + scene.text("K", thread.pitch)[1:]]
         slope = math.hypot(thread.taper, thread.depth) / abs(thread.taper) if thread.taper else 1.0

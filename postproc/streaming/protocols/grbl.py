@@ -256,6 +256,8 @@ class Grbl(Protocol):
     def _answered(self) -> int | None:
         if not self._waiting:
             return None
+        # An answer names no line. They come in the order of the lines, so it is the oldest one's:
+        # that line has left the buffer, and its bytes are free.
         number, size, _ = self._waiting.popleft()
         self._echoed = False
         self._used -= size
@@ -289,6 +291,7 @@ class Grbl(Protocol):
         if state not in STATES or fields.keys().isdisjoint(("MPos", "WPos")):
             return Message(text)
         per = self.controller.unit
+        # Only some reports say it (report.c counts down between two), so the last one holds.
         if "WCO" in fields:
             self._shift = tuple(v * per for v in fields["WCO"])
         feed, speed = (*fields.get("FS", fields.get("F", ())), None, None)[:2]
