@@ -150,5 +150,5 @@ def test_broken_files_give_offsets_or_a_refusal(grain, edits, format):
         return
     for name, place in [*found.work.items(), *found.tools.items()]:
         assert canonical(name) == name or name == "G43.1"
-        assert set(place) <= set(offsets.TOOL_KEYS)
+        assert set(place) <= set(offsets.AXES + "RQ")
         assert all(abs(value) < 1e8 for value in place.values())

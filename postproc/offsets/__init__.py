@@ -21,7 +21,6 @@ from postproc.units import LARGEST_WORD_MM, MM_PER_INCH
 
 LINEAR, ROTARY = "XYZUVW", "ABC"
 AXES = "XYZABCUVW"  # in the order in which LinuxCNC and grblHAL write them
-TOOL_KEYS = AXES + "RQ"
 NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]{1,3})?")
 WORK_NAME = re.compile(r"G5[4-9]|G59\.[1-3]|G500|G50[5-9]|G5[1-9][0-9]|G92|G52|G30|EXT|E[0-9]{1,2}")
 EXTENDED_NAME = re.compile(r"(G54\.1\s*P|G15\s*H|G247\s*P)\s*0*([1-9][0-9]{0,2})")

@@ -81,9 +81,9 @@ class Source:
             )
         return self.mentioned[what]
 
-    def _flagged(self, start: int = 0) -> Iterator[int]:
-        """The special entries from `start` on."""
-        at = self.special.find(1, start)
+    def _flagged(self) -> Iterator[int]:
+        """The special entries."""
+        at = self.special.find(1)
         while at >= 0:
             yield at
             at = self.special.find(1, at + 1)
