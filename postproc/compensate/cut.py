@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.compensate import cutter, fit, nodes
+from postproc.compensate import cutter, fit, nodes, uncut
 from postproc.compensate.arc_rows import Fitter, Rows
 from postproc.compensate.arcs import points
 from postproc.compensate.batch import Batch, written_centre
@@ -149,7 +149,7 @@ def _may_be_cut(b: Batch, straight: np.ndarray) -> np.ndarray:
     if b.c.ramped or not len(chosen):
         return chosen
     chosen = chosen[b.may_bend(chosen, b.c.slack)]
-    return chosen
+    return chosen[~uncut.proven(b, chosen)] if len(chosen) else chosen
 
 
 def _of_motion(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -212,11 +212,7 @@ def _cuts(b: Batch, chosen: np.ndarray) -> Cuts:
     correction = correction + onward
     exact = exact + onward
     written = written.take(order, axis=1) + onward
-    tolerance = np.where(b.travel.take(chosen, axis=1) == 0, b.c.chord / 2, b.c.chord)
-    tolerance += (
-        b.m.grid.take(b.motion[chosen], axis=1) / TICKS_PER_MM / 2
-    )  # what is written is rounded
-    rows = b.rows
+    tolerance, rows = uncut.allowed(b, chosen)[0], b.rows
     cut = nodes.merge(owner, t, correction[rows], written[rows], tolerance[rows]).nonzero()[0]
     if b.machine.turning:
         return _on_increments(b, chosen, owner[cut], t[cut])

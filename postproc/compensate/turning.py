@@ -108,6 +108,10 @@ def _bends(b: Columns, chosen: np.ndarray, least: float) -> np.ndarray:
     """(K,) bool: arcs, and straight motions whose correction is no straight line but for less than
     `least` mm, which is all that such a one can turn back by."""
     bends: np.ndarray = b.may_bend(chosen, least)
+    at = bends.nonzero()[0]
+    if len(at):
+        begin, end = (in_mm(x.take(chosen.take(at), axis=1)) for x in (b.m.start, b.m.target))
+        bends[at] = b.machine.bounds.bow(begin, end) > least
     return bends | (b.arc_of[chosen] >= 0) if len(b.m.arcs) else bends
 
 

@@ -66,6 +66,39 @@ class Bounds:
         return found
 
     @cached_property
+    def _kinks(self) -> list[tuple[int, np.ndarray, np.ndarray]]:
+        """Row of an axis, (K,) mm the nodes of all that bends along it, and (K + 1,) mm/mm by how
+        much the slope of the deviation turns at the nodes before each cell, one after the other."""
+        machine, found = self.machine, []
+        for letter, every in self.machine.knots.items():
+            nodes = np.unique(np.concatenate(every))
+            total = np.zeros(len(nodes))
+            for table in (table for x, table in machine.every_table if x == letter):
+                # flat beyond the ends
+                slopes = np.pad(table.slopes, ((0, 0), (0, 0), (1, 1)))
+                turns = np.abs(np.diff(slopes, axis=2)).max(axis=1)
+                total[np.searchsorted(nodes, table.nodes)] += self.at_tip(letter, turns)
+            for grid in machine.grids:
+                for x, own, slope in zip(
+                    (grid.letter, grid.other), (grid.nodes, grid.others), grid.slopes, strict=True
+                ):
+                    if x == letter:
+                        total[np.searchsorted(nodes, own)] += self.at_tip(grid.letter, 2 * slope)
+            row = machine.letters.index(letter)
+            found.append((row, nodes, np.concatenate([[0.0], np.cumsum(total)])))
+        return found
+
+    def bow(self, start: np.ndarray, target: np.ndarray) -> np.ndarray:
+        """(N,) mm: how far nodes and products can bend the deviation of straight motions (A, N)
+        away from its chord, and by how much it can turn back beside that."""
+        low, high = np.minimum(start, target), np.maximum(start, target)
+        result = self.bend(target - start)
+        for row, nodes, turned in self._kinks:
+            first, last = nodes.searchsorted(low[row], "right"), nodes.searchsorted(high[row])
+            result = result + (turned[last] - turned[first]) * (high[row] - low[row]) / 4
+        return result
+
+    @cached_property
     def even(self) -> float:
         """mm/mm: by how much the deviation changes per mm of way everywhere, at most, whichever
         cell the place is in: squareness, heat, tables of two axes, and every angle times the arm
