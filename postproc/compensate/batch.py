@@ -251,25 +251,23 @@ class Batch(Columns):
         self.leash = cutter.leash(self) if self.inside else None
         unknown = not self.every and not (all_of(known) and all_of(self.correctable))
         moved = any_of(self.turning) or any_of(self.left)
-        if not (unknown or moved or held[self.rows].any() or self.leash is not None):
+        if not (unknown or moved or any_of(held.take(self.c.at)) or self.leash is not None):
             self.begin = self.before
             return
-        code = self.code
-        # In a rapid axes that rest may be left beside their places by all of the tolerance.
-        resting = np.maximum((self.travel[self.rows] == 0).sum(axis=0), 1)
-        self.hold = (
-            np.where(code == RAPID, self.c.inner / np.sqrt(resting), self.c.hold) * TICKS_PER_MM
-        )
+        self.hold, rapid = np.full(len(free), self.c.hold * TICKS_PER_MM), self.code == RAPID
+        if any_of(rapid):  # axes that rest may be left beside their places by all of the tolerance
+            resting = np.maximum((self.travel[self.rows] == 0).sum(axis=0), 1)
+            self.hold[rapid] = (self.c.inner / np.sqrt(resting) * TICKS_PER_MM)[rapid]
         # A slide that keeps its side is not moved back.
         self.bound = self.machine.two_way[:, None] & ~self.flipped & self.sure
         if isinstance(self.machine, TipMachine):
             self.bound &= self.machine.direct[:, None]
-        if any_of(self.c.overshoots):
-            self.bound &= ~(self.c.overshoots[:, None] & (code == RAPID))
+        if any_of(rapid) and any_of(self.c.overshoots):
+            self.bound &= ~(self.c.overshoots[:, None] & rapid)
         self.begin = self.before.copy()
         for row in range(len(self.end)):
             end = self.end[row]
-            if row in self.rows and (held[row] or self.left[row].any() or self.leash is not None):
+            if row in self.rows and (held[row] or any_of(self.left[row]) or self.leash is not None):
                 rests = (self.travel[row] == 0) & free & known & (self.sure | self.turning)
                 if len(self.m.holes):  # it goes down, and back to R
                     rests[self.hole[self.m.holes.axis == row]] = False

@@ -40,9 +40,12 @@ def proven(b: Batch, chosen: np.ndarray) -> np.ndarray:
     # ends, as they miss it; and both are found to within CLOSE.
     more = 1 + 8 * b.machine.bounds.steepest
     bow = b.machine.bounds.bow(begin, end) * more + 4 * CLOSE
-    for row in b.c.followed:  # one that goes back within its play is held where it is
-        back = (end[row] - begin[row]) * b.weight_begin[row].take(chosen) < 0
-        bow = np.where(back, np.inf, bow)
+    led = b.c.followed
+    if len(led):  # an axis that goes back within its play is held where it is
+        back = (end - begin).take(led, axis=0) * b.weight_begin.take(led, axis=0).take(
+            chosen, 1
+        ) < 0
+        bow = np.where(back.any(axis=0), np.inf, bow)
     may, half = allowed(b, chosen)
     # A chord that ends at a node has the rounding there for itself.
     near = (bow <= (may - half)[b.rows]).all(axis=0)

@@ -19,12 +19,14 @@ W on a head Z): links of the chain like any other, whose errors the slides X Y Z
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from postproc.records import record
+from postproc.machine.cells import Value
+from postproc.records import record, replace
 
 XYZ, ROTARY = "XYZ", "ABC"
 LINEAR = "XYZUVW"  # U V W: a second slide along X Y Z
@@ -32,7 +34,9 @@ SECOND = dict(zip(XYZ, "UVW", strict=True))
 OPTICS = ("tool", "workpiece")
 # axis to mm that stay, as arrays without axes, and the slides that add, per direction
 Arms = dict[str, list[tuple[np.ndarray, tuple[str, ...]]]]
-Parts = list[np.ndarray | None]  # six (N,) columns of one axis' deviations, None: zero everywhere
+Position = dict[str, Any]  # axis to its place: a column, or one number
+# six (N,) columns of one axis' deviations, or numbers of one place; None: zero everywhere
+Parts = list[Any]
 # (eps x arm)_i = eps_j arm_k - eps_k arm_j: direction, rotation (3 to 5), arm, whether taken away
 TURNS = [
     term
@@ -167,16 +171,26 @@ def leans(letter: str, lean: np.ndarray) -> list[tuple[int, np.ndarray]]:
 class Share:
     """What one axis adds to the deviation, of which components are there: nothing is asked, made or
     added where one is missing. letter; drifts: direction and rate of its squareness; shifts: its
-    translations; begins: directions in which nothing comes before its turns; arm: directions of its
-    arm that count, each with the part that stays and the slides that add; turns: its own of
-    TURNS."""
+    translations; begins: directions in which nothing comes before its turns, each with 0; arm:
+    directions of its arm that count, each with the part that stays and the slides that add; turns:
+    its own of TURNS."""
 
     letter: str
-    drifts: list[tuple[int, np.ndarray]]
+    drifts: Sequence[tuple[int, Value]]
     shifts: list[int]
-    begins: list[int]
-    arm: list[tuple[int, np.ndarray, tuple[str, ...]]]
+    begins: Sequence[tuple[int, Value]]
+    arm: Sequence[tuple[int, Value, tuple[str, ...]]]
     turns: list[tuple[int, int, int, bool]]
+
+    @property
+    def in_numbers(self) -> Share:
+        """The same for one place, told in numbers."""
+        return replace(
+            self,
+            drifts=[(i, float(rate)) for i, rate in self.drifts],
+            begins=[(i, float(zero)) for i, zero in self.begins],
+            arm=[(k, float(stays), slides) for k, stays, slides in self.arm],
+        )
 
 
 def shares(
@@ -194,18 +208,17 @@ def shares(
         written |= {*shifts, *(i for i, _ in drifts)}
         begins = {i for i, _, _, _ in turns} - written
         written |= begins
-        found.append(Share(letter, drifts, shifts, sorted(begins), arm, turns))
+        zeros = [(i, ZERO) for i in sorted(begins)]
+        found.append(Share(letter, drifts, shifts, zeros, arm, turns))
     return found
 
 
-def tip_deviation(
-    each: list[Share], parts: dict[str, Parts], position: dict[str, np.ndarray]
-) -> list[Any]:
+def tip_deviation(each: list[Share], parts: dict[str, Parts], position: Position) -> list[Any]:
     """Three (N,) columns X Y Z of the deviation in mm, of a chain without rotary axes; None for one
     that is zero everywhere.
 
-    parts: axis to its six deviations at its position; position: axis to (N,) mm. Not in place,
-    which takes three times as long where N is 1.
+    parts: axis to its six deviations at its position; position: axis to (N,) mm. Of one place all
+    of it may be numbers, and is told in numbers then. Not in place: a number has none.
     """
     total: list[Any] = [None, None, None]
     for share in each:
@@ -215,8 +228,8 @@ def tip_deviation(
         part = parts.get(share.letter, NO_PARTS)
         for i in share.shifts:
             total[i] = part[i] if total[i] is None else total[i] + part[i]
-        for i in share.begins:
-            total[i] = ZERO
+        for i, zero in share.begins:
+            total[i] = zero
         arm = {k: _length(constant, slides, position) for k, constant, slides in share.arm}
         for i, j, k, away in share.turns:
             turn = part[j] * arm[k]
@@ -224,9 +237,7 @@ def tip_deviation(
     return total
 
 
-def _length(
-    constant: np.ndarray, slides: tuple[str, ...], position: dict[str, np.ndarray]
-) -> np.ndarray:
+def _length(constant: Value, slides: tuple[str, ...], position: Position) -> Value:
     """(N,) or one number of mm: an arm in one direction."""
     total = constant
     if slides:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import cached_property
 
@@ -10,10 +11,12 @@ import numpy as np
 from postproc.machine import dependence, rotary
 from postproc.machine.axis import Axis
 from postproc.machine.bounds import Bounds
+from postproc.machine.cells import Value
 from postproc.machine.chain import (
     ROTARY,
     XYZ,
     Parts,
+    Position,
     Share,
     along,
     shares,
@@ -24,7 +27,20 @@ from postproc.machine.stated import Stated
 from postproc.machine.tables import ALONG, PORTION, AxisTable
 from postproc.records import record
 
-Columns = dict[str, np.ndarray]
+FEW = 2  # places that are looked at one by one, in numbers, which is faster than columns
+
+
+def _together(n: int, rotary: bool = False) -> Iterable[slice | int]:
+    """Which of N places are looked at together: portions of many; each of few by itself, but for
+    chains with rotary axes, which are followed in columns alone."""
+    if n <= FEW and not rotary:
+        return range(n)
+    return [slice(first, first + PORTION) for first in range(0, n, PORTION)]
+
+
+def _told(columns: np.ndarray, at: slice | int) -> Iterable[Value]:
+    """The rows of (A, N) at such places: columns of some, numbers of one."""
+    return columns[:, at].tolist() if isinstance(at, int) else columns[:, at]
 
 
 @record
@@ -71,18 +87,23 @@ class Machine(Stated):
         deviation of an axis along itself when it was approached in - less that in +. Angles and
         straightness measured both ways are not in it."""
         result = np.zeros((len(rows), position.shape[1]))
-        for k, row in enumerate(rows):
-            letter = self.letters[row]
-            if letter not in XYZ:  # no slide makes up for it, so its own motion is wanted as it is
-                continue
-            own = XYZ.index(letter)
-            for table in self._playing[letter]:
-                result[k] -= 2 * table.half_of(own, position[row])
-            for grid in self.grids_of[letter]:
-                result[k] -= 2 * grid.half_of(
-                    own, position[row], position[self.letters.index(grid.other)]
-                )
+        for at in _together(position.shape[1]):
+            q = dict(zip(self.letters, _told(position, at), strict=True))
+            for k, row in enumerate(rows.tolist()):
+                result[k, at] = self._play(self.letters[row], q)
         return result
+
+    def _play(self, letter: str, q: Position) -> Value:
+        """(N,) mm or one number: the play of an axis at these places."""
+        total: Value = 0.0
+        if letter not in XYZ:  # no slide makes up for it, so its own motion is wanted as it is
+            return total
+        own = XYZ.index(letter)
+        for table in self._playing[letter]:
+            total = total - 2 * table.half_of(own, q[letter])
+        for grid in self.grids_of[letter]:
+            total = total - 2 * grid.half_of(own, q[letter], q[grid.other])
+        return total
 
     def carrying(self, letters: tuple[str, ...]) -> Machine:
         """The same machine with axes that are no slides, carried along: a printer's E."""
@@ -119,31 +140,29 @@ class Machine(Stated):
         the chain does not name have none. A deviation along a direction that the machine has no
         axis for is left out.
         """
-        result, n = np.zeros(position.shape), position.shape[1]
-        for first in range(0, n, PORTION):
-            if n > PORTION:
-                part = slice(first, first + PORTION)
-                result[:, part] = self.deviation(position[:, part], approach[:, part], direction)
-                continue
-            along = None if self._rotary else direction
-            q, each = self._at(position, approach, along)
+        result = np.zeros(position.shape)
+        for at in _together(position.shape[1], self._rotary):
             if self._rotary:
+                q, each = self._at(position[:, at], approach[:, at])
                 parts = rotary.tip_deviation(self.geometry, each, q)
             else:
-                parts = tip_deviation(self._shares[along], each, q)
+                q, each = self._at(_told(position, at), _told(approach, at), direction)
+                parts = tip_deviation(self._shares[isinstance(at, int), direction], each, q)
             for row, own in self._ways:
                 if parts[own] is not None:
-                    result[row] = parts[own]
+                    result[row, at] = parts[own]
         return result
 
     @cached_property
-    def _shares(self) -> dict[int | None, list[Share]]:
-        """What each axis adds to the deviation, whole and along X, Y and Z."""
-        return {
-            direction: shares(self.arms, {x: self._there(x, direction) for x in self.letters},
-                              self.leaning)
-            for direction in (None, 0, 1, 2)
-        }  # fmt: skip
+    def _shares(self) -> dict[tuple[bool, int | None], list[Share]]:
+        """What each axis adds to the deviation, whole and along X, Y and Z: in columns, and in
+        numbers."""
+        found = {}
+        for direction in (None, 0, 1, 2):
+            live = {x: self._there(x, direction) for x in self.letters}
+            found[False, direction] = each = shares(self.arms, live, self.leaning)
+            found[True, direction] = [share.in_numbers for share in each]
+        return found
 
     def _there(self, letter: str, direction: int | None) -> set[int]:
         """The components of an axis that `_parts` gives, 0 to 5."""
@@ -173,8 +192,8 @@ class Machine(Stated):
         return rotary.carried(self.geometry, each, q)
 
     def _at(
-        self, position: np.ndarray, approach: np.ndarray, direction: int | None = None
-    ) -> tuple[Columns, dict[str, Parts]]:
+        self, position: Iterable[Value], approach: Iterable[Value], direction: int | None = None
+    ) -> tuple[Position, dict[str, Parts]]:
         """Axis to its position, and to its deviations there, or those that count along one."""
         q = dict(zip(self.letters, position, strict=True))
         s = dict(zip(self.letters, approach, strict=True))
@@ -184,7 +203,7 @@ class Machine(Stated):
                 each[x] = part
         return q, each
 
-    def _parts(self, letter: str, q: Columns, s: Columns, direction: int | None) -> Parts | None:
+    def _parts(self, letter: str, q: Position, s: Position, direction: int | None) -> Parts | None:
         """Six (N,) deviations of one axis: its table, what depends on a second axis, its growth
         with temperature."""
         part: Parts | None = None

@@ -16,10 +16,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
+from postproc.machine.cells import Cells, Value
 from postproc.records import columns
 
 MANY = 64  # places for which a search takes longer than a few more steps
@@ -195,34 +196,49 @@ class AxisTable(BothWays):
         n = self.nodes
         return np.array(n[0]), np.array(n[-1]), n[1:-1].copy(), np.diff(n)
 
-    def evaluate(
-        self, position: np.ndarray, approach: np.ndarray, along: int | None = None
-    ) -> list[np.ndarray | None]:
+    def evaluate(self, position: Value, approach: Value, along: int | None = None) -> list[Any]:
         """Six (N,) columns, None for a component that is zero everywhere, or that does not count
-        along the direction `along`, 0 to 2 for X Y Z.
+        along the direction `along`, 0 to 2 for X Y Z; six numbers of one place that is a number.
 
         position (N,) mm; approach (N,) from -1 (reached in -) over 0 (mean) to +1.
         """
-        result: list[np.ndarray | None] = [None] * 6
+        result: list[Any] = [None] * 6
         rows, base, rise, half = self._bins if along is None else self._bins_along[along]
         if not rows:
             return result
-        interval, share = self.place(position)
-        value = rise.take(interval, axis=1)
-        value *= share
-        value += base.take(interval, axis=1)
+        value: Any
+        if not isinstance(position, np.ndarray):
+            cells = self._cells if along is None else self._cells_along[along]
+            value = cells.values(position)
+        else:
+            interval, share = self.place(position)
+            value = rise.take(interval, axis=1)
+            value *= share
+            value += base.take(interval, axis=1)
         for i, column in zip(rows, value, strict=False):
             result[i] = column
         for i, k in half.items():
             result[i] = result[i] + approach * value[k]
         return result
 
-    def half_of(self, row: int, position: np.ndarray) -> np.ndarray | float:
-        """(N,) half of forward minus reverse of one component, mm or rad; 0 where it was measured
-        one way."""
+    @cached_property
+    def _cells(self) -> Cells:
+        """The bins in numbers."""
+        return Cells(self.nodes, self.step, *self._bins[1:3])
+
+    @cached_property
+    def _cells_along(self) -> list[Cells]:
+        """Those along X, Y and Z in numbers."""
+        return [Cells(self.nodes, self.step, *bins[1:3]) for bins in self._bins_along]
+
+    def half_of(self, row: int, position: Value) -> Value:
+        """(N,) half of forward minus reverse of one component, mm or rad, or one number; 0 where it
+        was measured one way."""
         _, base, rise, half = self._bins
         if row not in half:
             return 0.0
+        if not isinstance(position, np.ndarray):
+            return self._cells.values(position)[half[row]]
         interval, share = self.place(position)
         value: np.ndarray = base[half[row]][interval] + rise[half[row]][interval] * share
         return value
