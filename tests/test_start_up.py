@@ -65,10 +65,10 @@ print(status, *sorted(sys.modules))
 """
 
 
-def loaded(tmp_path, machine: str) -> set[str]:
+def loaded(tmp_path, machine: str, text: str = PROGRAM) -> set[str]:
     """Names of the modules after a run of its own."""
     program = tmp_path / "short.nc"
-    program.write_text(PROGRAM)
+    program.write_text(text)
     command = [sys.executable, "-c", RUN, machine, str(program), str(tmp_path / "out.nc")]
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
     status, *modules = done.stdout.split()
@@ -86,6 +86,13 @@ def test_a_run_loads_no_more_than_it_needs(tmp_path):
     commands = {name for name in modules if name.startswith("postproc.commands.")}
     needed = "attempts compensate expansion option_text reading reading_options values".split()
     assert commands == {f"postproc.commands.{name}" for name in needed}
+
+
+def test_an_arc_loads_nothing_more(tmp_path):
+    """On a lathe, where centre words outside of the plane are looked for."""
+    lines = (ROOT / "sample_programs" / "shaft.nc").read_text().splitlines()[:14]
+    text = "\n".join(lines) + "\n"
+    assert not loaded(tmp_path, "studer-s36", text) & FORBIDDEN
 
 
 VERSION = """

@@ -71,7 +71,7 @@ class Bounds:
         much the slope of the deviation turns at the nodes before each cell, one after the other."""
         machine, found = self.machine, []
         for letter, every in self.machine.knots.items():
-            nodes = np.unique(np.concatenate(every))
+            nodes = np.array(sorted({float(node) for table in every for node in table}))
             total = np.zeros(len(nodes))
             for table in (table for x, table in machine.every_table if x == letter):
                 # flat beyond the ends

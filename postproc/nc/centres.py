@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.motions import CLOCKWISE, COUNTER
+from postproc.nc.columns import one_of
 from postproc.nc.face import ON_FACE, PLANES
 from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, counts
 from postproc.nc.writing import Writing
@@ -176,10 +177,10 @@ def _insert_centre(
 
 def _outside_plane(b: Writing, motion: np.ndarray) -> None:
     """Centre words outside of the plane, in what became a chord: no control takes them there."""
-    place = (
-        np.isin(b.w.letter, [ord(x) for x in "IJK"]) & np.isin(b.w.block, b.m.block[motion])
-    ).nonzero()[0]
-    place = place[~np.isin(place, b.m.arcs.words)]
+    beside = one_of(b.w.letter, map(ord, "IJK")) & np.isin(b.w.block, b.m.block[motion])
+    own = b.m.arcs.words
+    beside[own[own >= 0]] = False
+    place = beside.nonzero()[0]
     b.delete(place, np.searchsorted(b.m.block, b.w.block[place]))
 
 
