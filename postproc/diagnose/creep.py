@@ -25,7 +25,9 @@ QUIET, OF_NORMAL = 0.25, 0.3186
 # of a cycle, that a slip takes at most beyond the sample in which it begins; samples, in so few of
 # which an oscillation falls as soon
 AT_ONCE, FEW = 0.25, 4
-STANDS = 0.5, 1.5  # of the way that it is driven on while it stands: what it lags by
+# of the way that it is driven on: what it lags by while it stands; by less where the reading is
+# taken behind what gives (a belt, a motor's encoder)
+STANDS = 0.02, 1.5
 SPREAD = 4.0  # standard deviations within which the end of a cycle is looked for
 
 

@@ -243,7 +243,8 @@ def _far_off(sets: Sets, said: Said, rest: np.ndarray) -> list[tuple[float, floa
         if len(own) < SERIES:
             continue
         usual = max(spread(rest[own]), step(sets.evidence.y[own]))
-        most = float(np.sort(np.abs(rest[own]))[-SAMPLES if part.unit.dense else -TARGETS])
+        off = np.abs(rest[own] - np.median(rest[own]))
+        most = float(np.sort(off)[-SAMPLES if part.unit.dense else -TARGETS])
         rms, worth = _size(rest[own]), max(least, OF_EXPLAINED * _size(said["effects"][own]))
         if most > max(FAR_OFF * usual, worth) and rms > worth:
             found.append((rms / least, rms, unit))

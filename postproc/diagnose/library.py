@@ -108,9 +108,9 @@ def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> 
     both = not {"part", "material", "time"} & set(module.NEEDS) or getattr(module, "WALLS", False)
     if rows.other and "part" in module.SEES and module.PER != "all" and both:
         part = (rows.sees == "part") & np.all([np.isfinite(v) for v in rows.other.values()], axis=0)
-        there = second_place(rows, part)
-        value = value.copy()
-        value[:, :, part] -= module.columns(there, axis, **shape)
+        if part.any():
+            value = value.copy()
+            value[:, :, part] -= module.columns(second_place(rows, part), axis, **shape)
     result = np.zeros((len(value), len(rows)))  # a column in one piece of the memory
     for along, own in enumerate(rows.direction.T):
         if own.any() and value[:, along].any():

@@ -40,6 +40,9 @@ FEATURE = 5e-4
 # mm: how far lost motion is from being taken up where a recording begins (a preloaded screw's,
 # unverified); ways over which it is taken up
 BEGINS, TAKEN_UP = 2e-3, (0.1, 1.0, 5.0)
+# mm: what a circle begins with, a spike too; s: in which it fades; of its largest speed: less is
+# rest
+SPIKES, FADES, RESTING = 1e-2, (0.05, 0.2, 0.5), 0.02
 # mm: by how much the zero of an instrument differs from run to run, usually and at most
 RUN, MOST_RUN = 3e-4, 1e-3
 WANDER, MOST_WANDER = (
@@ -112,6 +115,7 @@ def of_unit(rows: Rows, unit: Unit) -> list[Group]:
         found.append(
             Group("set-up", np.stack([legendre(share, d) for d in (1, 2, 3)], axis=1), BAR)
         )
+        found += _at_quadrants(rows, unit)
     if kind == "trace":
         found += _beginnings(rows, unit)
     if kind == "targets" and unit.sees == "tool":
@@ -159,6 +163,23 @@ def _beginnings(rows: Rows, unit: Unit) -> list[Group]:
             way = np.abs(place - place[np.flatnonzero(goes)[0]])
             fades = np.exp(-way[:, None] / TAKEN_UP) * goes[:, None]
             found.append(Group("set-up", fades, BEGINS))
+    return found
+
+
+def _at_quadrants(rows: Rows, unit: Unit) -> list[Group]:
+    """What fades behind the start of circles that begin where an axis rests, at a quadrant: whether
+    it turned there, and how it was pushed before, was not recorded (ISO 230-4 leaves the beginning
+    out)."""
+    own = unit.rows
+    found = []
+    speeds = [np.abs(v[own]) for v in rows.state.velocity.values() if np.any(v[own])]
+    for run in np.unique(rows.run[own]):
+        here = np.flatnonzero(rows.run[own] == run)
+        if any(v[here[0]] < RESTING * float(v[here].max()) for v in speeds):
+            gone = unit.time[here] - unit.time[here[0]]
+            fades = np.zeros((len(own), len(FADES)))
+            fades[here] = np.exp(-gone[:, None] / np.array(FADES))
+            found.append(Group("set-up", fades, SPIKES))
     return found
 
 

@@ -26,6 +26,7 @@ RARE = {
     "sag": 4.0,
     "stick_slip": 8.0,
     "scale": -1.0,
+    "tool_size": -1.0,
     "backlash_position": 1.0,
     "friction_asymmetry": 3.0,
     "windup": 1.0,

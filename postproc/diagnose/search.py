@@ -380,7 +380,8 @@ class Search:
         return not any(self.sets.blocks[k].key in self._barred for k in state.members)
 
     def _plausible(self, state: Found) -> bool:
-        return all(self.sets.fits(state.fit, k) for k in state.members)
+        sized = all(self.sets.fits(state.fit, k) for k in state.members)
+        return sized and self.sets.everywhere(state)
 
     def _look(self, state: Found) -> None:
         """Let in what is periodic in what a set leaves."""

@@ -34,6 +34,7 @@ UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
 FORM = 0.1
 FORM_SD = 0.1  # of what it explains, by the place, by the time
 BUILT_UP, AFTER_TURN = 5.0, (0.01, 0.05, 0.2)  # times that: while it builds up after a turn; s
+THERE = 0.4  # of what an effect says of a recording: less is not that effect
 FORMED = 1e-3  # mm: the error of form of less is nothing
 VISIBLE = 0.2  # of the white noise
 OPEN = 5e-3  # mm: a set-up that may be so far off is open
@@ -164,6 +165,23 @@ class Sets:
     def members(self, fit: Fit) -> tuple[int, ...]:
         """Of a set: the effects, without the terms of their errors of form."""
         return tuple(k for k in fit.chosen if k not in self.evidence.fixed)
+
+    def everywhere(self, state: Found) -> bool:
+        """Whether every member is, with its error of form, in each recording of readings at rest in
+        which it should show: one that is there in one and gone in the next is another effect."""
+        fit = self.at_own_form(state).fit
+        wrong = {k: np.zeros(len(self.rows)) for k in state.members}
+        for f in fit.chosen:
+            if self._of_form.get(f, -1) in wrong:
+                wrong[self._of_form[f]] += self.blocks[f].columns @ self.value(fit, f)
+        rests = [part.unit.rows for part in self.evidence.parts if not part.unit.dense]
+        for k, error in wrong.items():
+            said = self.blocks[k].columns @ self.value(fit, k)
+            for own in rests:
+                size, off = said[own], error[own]
+                if np.abs(size).max() > FORMED and size @ (size + off) < THERE * (size @ size):
+                    return False
+        return True
 
     def _forms(self, fit: Fit) -> list[int]:
         """Terms by which what is explained may be of another form, in all instruments alike: larger

@@ -10,6 +10,7 @@ import numpy as np
 
 from postproc.effects import State
 
+REFERENCE = 20.0  # degrees C (ISO 1)
 FILES = 8  # recordings of a laser whose air may change, each in its own way
 PARAMETERS = {
     "ppm_K": (
@@ -19,8 +20,9 @@ PARAMETERS = {
     "wrong_ppm": ("um/m, error of the air that was set in the laser, from the first reading on"),
     "told": "1, other air was set in the laser; 0, the right one",
     "by": (
-        "1, the air changed with its recorded temperature; 0, it did not change; below zero: it"
-        " changed with the time, in each of the laser's recordings in its own way"
+        "1, the air changed with its recorded temperature; 2, so it did, and the laser was left at"
+        " 20 degrees in all recordings; 0, it did not change; below zero: it changed with the time,"
+        " in each of the laser's recordings in its own way"
     ),
     **{
         f"ppm_h_{k}": f"um/(m h), by which the air changed in the laser's recording {k}"
@@ -47,7 +49,12 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     lasting = 0 < len(lit) <= FILES and all(np.ptp(state.time[state.file == f]) > 0 for f in lit)
     # A thermometer that lags, and the pressure that nobody records: the air may change as the time
     # goes, too.
-    ways = [*([1.0] if known else []), *([-float(len(lit))] if lasting else [])]
+    several = known and len(lit) > 1
+    ways = [
+        *([1.0] if known else []),
+        *([2.0] if several else []),
+        *([-float(len(lit))] if lasting else []),
+    ]
     return [{"told": t, "by": by} for by in ways for t in (0.0, 1.0)] + [{"told": 1.0, "by": 0.0}]
 
 
@@ -58,7 +65,9 @@ def _lit(state: State) -> np.ndarray:
 
 def columns(state: State, axis: str, told: float = 0.0, by: float = 1.0) -> np.ndarray:
     found = []
-    if by > 0:
+    if by == 2:
+        found.append(state.channels["T_air_C"] - REFERENCE)
+    if by == 1:
         grown = np.zeros(len(state))
         for file in np.unique(state.file):
             grown += _since(state, state.channels["T_air_C"], file)

@@ -2,12 +2,13 @@
 
 The temperature of the screw where it is recorded, else heat that comes with time, or with the axis'
 travel. A test of warming up (ISO 230-3, 7.4) runs the axis between its readings and then lets it
-rest: heat comes until then, and goes with the same time constant.
+rest: heat comes until then, and goes with the same time constant. Who reads it cold and warm runs
+it in a pause between two readings: then heat comes in that pause.
 """
 
 import numpy as np
 
-from postproc.effects import State, along, first_timed, temperature_rise
+from postproc.effects import State, along, first_timed, sampled, temperature_rise
 
 PARAMETERS = {
     "alpha_ppm_K": "um/(m K), expansion by the recorded temperature; 0 where none is recorded",
@@ -26,6 +27,7 @@ PARAMETERS = {
     "until_s": (
         "s, after the first reading, when the axis came to rest and cooled; 0, heat came to the end"
     ),
+    "from_s": "s, after the first reading, from when heat came",
 }
 OPTIONAL = {
     "alpha_ppm_K": 0.0,
@@ -37,10 +39,12 @@ OPTIONAL = {
     "warm_ppm": 0.0,
     "warm": 0.0,
     "until_s": 0.0,
+    "from_s": 0.0,
 }
 CONTINUOUS = {"tau_s": (60.0, 30000.0), "until_s": (60.0, 1e6)}
 TAUS = (600.0, 1800.0, 5400.0)  # s
 RESTS = (0.3, 0.5, 0.7)  # of what was recorded
+PAUSES, LONG, TIMES = 2, 300.0, 5.0  # at most; s at least; times the usual pause between readings
 EXPECTED = {"alpha_ppm_K": 1, "grown_ppm": 1}
 # Steel 11.5, glass 8, aluminium 23 ppm/K, and a thermometer that does not lie on the screw itself.
 # A screw gets 25 K warmer at the
@@ -75,18 +79,30 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     ]
     held = [{"held_at_mm": end, "free": free} for end, free in ends]
     plain = [
-        {"tau_s": t, "by_travel": w, "warm": warm, "until_s": 0.0}
+        {"tau_s": t, "by_travel": w, "warm": warm, "until_s": 0.0, "from_s": 0.0}
         for t, w in heats
         for warm in ((0.0,) if known else (0.0, 1.0))
     ]
     lasts = float(np.ptp(state.time))
+    runs = [(0.0, share * lasts) for share in RESTS if share * lasts > CONTINUOUS["until_s"][0]]
     rested = [
-        {"tau_s": t, "by_travel": 0.0, "warm": 0.0, "until_s": share * lasts}
+        {"tau_s": t, "by_travel": 0.0, "warm": 0.0, "until_s": until, "from_s": begin}
         for t in TAUS
-        for share in RESTS
-        if share * lasts > CONTINUOUS["until_s"][0]
+        for begin, until in runs + _pauses(state)
     ]
     return [shape | end for shape in plain + rested for end in held]
+
+
+def _pauses(state: State) -> list[tuple[float, float]]:
+    """(from, until) s after the first reading: pauses in which an axis could be run warm, the
+    longest first."""
+    t = np.unique(state.time[~sampled(state)])
+    gaps = np.diff(t)
+    if not len(gaps):
+        return []
+    first, least = t[0], max(LONG, TIMES * float(np.median(gaps)))
+    longest = np.argsort(-gaps, kind="stable")[:PAUSES]
+    return [(float(t[k] - first), float(t[k + 1] - first)) for k in longest if gaps[k] > least]
 
 
 def instead(shape: dict[str, float]) -> bool:
@@ -104,12 +120,14 @@ def columns(
     free: float = 1.0,
     warm: float = 0.0,
     until_s: float = 0.0,
+    from_s: float = 0.0,
 ) -> np.ndarray:
     heat = temperature_rise(state, axis, tau_s, by_travel)
     if until_s > 0:
         gone = state.time - state.time[first_timed(state)]
-        most = 1.0 - np.exp(-until_s / tau_s)
-        heat = np.where(gone < until_s, heat, most * np.exp((until_s - gone) / tau_s))
+        heated = np.clip(gone, from_s, until_s) - from_s
+        cooled = np.maximum(gone - until_s, 0.0)
+        heat = -np.expm1(-heated / tau_s) * np.exp(-cooled / tau_s)
     place = (state.position[axis] - held_at_mm) * 1e-3
     return along(axis, heat * place, *([heat] if free else []), *([place] if warm else []))
 
@@ -120,7 +138,7 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     fixed = value[1] if len(value) > 1 else 0.0
     alpha, grown = (0.0, value[0]) if shape["tau_s"] > 0 else (value[0], 0.0)
     sizes = {"alpha_ppm_K": alpha, "grown_ppm": grown, "fixed_um_K": fixed}
-    rest = {"warm": shape.get("warm", 0.0), "until_s": shape.get("until_s", 0.0)}
+    rest = {name: shape.get(name, 0.0) for name in ("warm", "until_s", "from_s")}
     return sizes | shape | {"warm_ppm": warm} | rest
 
 
@@ -135,6 +153,7 @@ def coefficients(
     warm_ppm: float = 0.0,
     warm: float = 0.0,
     until_s: float = 0.0,
+    from_s: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     value = [
         alpha_ppm_K + grown_ppm,
@@ -148,4 +167,5 @@ def coefficients(
         "free": free,
         "warm": warm,
         "until_s": until_s,
+        "from_s": from_s,
     }

@@ -12,7 +12,7 @@ tool feed drives, CIRP Annals 60 (2011) 779): then it winds up more at one end o
 
 import numpy as np
 
-from postproc.effects import UM, State, Table, along, grid
+from postproc.effects import UM, State, Table, along, grid, sampled
 
 PARAMETERS = {
     "size_um": "um, lost motion when it is fully built up",
@@ -23,8 +23,12 @@ PARAMETERS = {
         "1, it builds up over ways of all lengths between a fifth of that and five times it, as"
         " asperities of many sizes let go; 0, over one"
     ),
+    "stairs": (
+        "1, every row of steps in one direction begins at a turn, whatever was travelled before it;"
+        " 0, the axis turned where the targets say"
+    ),
 }
-OPTIONAL = {"grows_um": 0.0, "grows": 0.0, "spread": 0.0}
+OPTIONAL = {"grows_um": 0.0, "grows": 0.0, "spread": 0.0, "stairs": 0.0}
 SPREAD = (0.2, 0.45, 1.0, 2.25, 5.0)  # of the length: evenly in its logarithm
 # Twice the friction over the stiffness: 50 N on a belt of 100 N/mm are 1 mm, on a screw of 50 N/um
 # 2 um.
@@ -33,6 +37,7 @@ PLAUSIBLE = {
     "grows_um": (-1000.0, 1000.0),
 }  # beyond, it is something else (unverified: usual belts)
 EXPECTED = {"size_um": 1}
+STEP = 0.5  # mm: steps of a row that shows how lost motion builds up
 BUILT_UP = 5.0  # lengths after which less than 1 % is to come
 CONTINUOUS = {"length_mm": (0.05, 15.0)}
 KIND, USE, PER = "machine", "compensate", "axis"
@@ -50,12 +55,34 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     # Where every reading lies so far behind its turn that all is built up, what differs along the
     # travel is backlash_position.
     reached = [v for v in lengths if near < BUILT_UP * v]
-    plain = [{"length_mm": v, "grows": 0.0, "spread": 0.0} for v in lengths]
-    return (
-        plain
-        + [{"length_mm": v, "grows": 1.0, "spread": 0.0} for v in reached]
-        + [{"length_mm": v, "grows": 0.0, "spread": 1.0} for v in reached]
-    )
+    since = _stairs(state, axis)
+    stairs = bool(np.any((since > 0) & (since < STEP)))
+    kinds = [
+        (lengths, 0.0, 0.0, 0.0),
+        (reached, 1.0, 0.0, 0.0),
+        (reached, 0.0, 1.0, 0.0),
+        *([(lengths, 0.0, spread, 1.0) for spread in (0.0, 1.0)] if stairs else []),
+    ]
+    return [
+        {"length_mm": v, "grows": grows, "spread": spread, "stairs": row}
+        for among, grows, spread, row in kinds
+        for v in among
+    ]
+
+
+def _stairs(state: State, axis: str) -> np.ndarray:
+    """(N,) mm of each reading at rest behind the first of its row of targets in one direction;
+    infinite in motions."""
+    since = np.full(len(state), np.inf)
+    rests = ~sampled(state)
+    file = state.file if len(state.file) == len(state) else np.zeros(len(state))
+    for number in np.unique(file[rests]):
+        own = np.flatnonzero((file == number) & rests)
+        own = own[np.argsort(state.time[own], kind="stable")]
+        place, side = state.position[axis][own], np.sign(state.approach[axis][own])
+        for part in np.split(np.arange(len(own)), np.flatnonzero(np.diff(side)) + 1):
+            since[own[part]] = np.abs(place[part] - place[part[:1]])
+    return since
 
 
 def sensible(size_um: float, grows_um: float = 0.0, **_: float) -> bool:
@@ -64,10 +91,18 @@ def sensible(size_um: float, grows_um: float = 0.0, **_: float) -> bool:
 
 
 def columns(
-    state: State, axis: str, length_mm: float, grows: float = 0.0, spread: float = 0.0
+    state: State,
+    axis: str,
+    length_mm: float,
+    grows: float = 0.0,
+    spread: float = 0.0,
+    stairs: float = 0.0,
 ) -> np.ndarray:
     lengths = np.multiply(SPREAD if spread else (1.0,), length_mm)
-    if axis in state.path:
+    if stairs and not sampled(state).all():
+        since = _stairs(state, axis)
+        wound = -state.approach[axis] / 2 * (2 * _built_up(since, lengths) - 1)
+    elif axis in state.path:
         ways = state.path[axis]
         each = np.sign(ways) * _built_up(np.abs(ways), lengths)
         wound = each[0] / 2 - each.sum(axis=0)
@@ -89,6 +124,7 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
         "grows_um": grows_um,
         "grows": 0.0,
         "spread": 0.0,
+        "stairs": 0.0,
     } | shape
 
 
@@ -98,12 +134,14 @@ def coefficients(
     grows_um: float = 0.0,
     grows: float = 0.0,
     spread: float = 0.0,
+    stairs: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     grown = grows or float(grows_um != 0.0)
     return np.array([size_um, grows_um] if grown else [size_um]), {
         "length_mm": length_mm,
         "grows": grown,
         "spread": spread,
+        "stairs": stairs,
     }
 
 

@@ -42,6 +42,9 @@ class Scored:
     def fits(self, fit: Any, k: int) -> bool:
         return (fit.members, k) not in self.unfit
 
+    def everywhere(self, state: Found) -> bool:
+        return True
+
 
 @pytest.mark.parametrize(
     "scores, unfit, left",
@@ -198,6 +201,10 @@ def test_a_name_of_exactly_its_form_is_not_charged_for_an_error_of_it():
         def fits(fit: Any, k: int) -> bool:
             return True
 
+        @staticmethod
+        def everywhere(state: Any) -> bool:
+            return True
+
     def state(members: tuple[int, ...], chosen: tuple, on: frozenset) -> Any:
         fit = SimpleNamespace(chosen=chosen, on=on)
         return SimpleNamespace(
@@ -262,6 +269,7 @@ def test_a_set_says_it_all_where_neither_terms_of_form_nor_another_set_come_near
         evidence=SimpleNamespace(learn=lambda chosen, *_: chosen),
         worth_of=worth.__getitem__,
         fits=lambda fit, k: True,
+        everywhere=lambda state: True,
     )
     assert Search(cast(Any, sets))._exact(states) is (states[0] if exact else None)
 
@@ -288,6 +296,36 @@ def test_terms_by_which_a_form_may_be_wrong(wave):
     later = [] if wave else [[0.0, 0.0, 2.0, 3.0]]
     by_hand = [[-2.4, -1.0, 2.0, 8.4], [-2.0, -1.0, 0.0, 7.0], *later, *after]
     assert _terms(cast(Any, rows), block, np.array([2.0])).T == pytest.approx(np.array(by_hand))
+
+
+@pytest.mark.parametrize(
+    "again, dense, everywhere",
+    [
+        (0.5, False, True),  # of what is said of the second recording
+        (0.3, False, False),
+        (-1.0, False, False),
+        (0.3, True, True),  # motions may differ by their feeds
+    ],
+)
+def test_a_name_is_in_each_recording_in_which_it_should_show(again, dense, everywhere):
+    """8 um in two recordings, of which the terms of its form leave a share in the second."""
+    size, form = np.array([8.0, -8.0, 8.0, -8.0]), np.array([0.0, 0.0, 1.0, -1.0])
+    blocks = [SimpleNamespace(columns=v[:, None] * UM) for v in (size, form)]
+    parts = [
+        SimpleNamespace(unit=SimpleNamespace(rows=np.array(own), dense=dense))
+        for own in ((0, 1), (2, 3))
+    ]
+    state = found((0,), 0.0)
+    state.fit.chosen = (0, 1)
+    sets = SimpleNamespace(
+        rows=range(4),
+        blocks=blocks,
+        evidence=SimpleNamespace(parts=parts),
+        at_own_form=lambda state: state,
+        value=lambda fit, k: np.array([1.0, 8.0 * (again - 1)])[[k]],
+        _of_form={1: 0},
+    )
+    assert Sets.everywhere(cast(Any, sets), state) is everywhere
 
 
 @pytest.mark.parametrize(

@@ -11,29 +11,32 @@ import pytest
 
 from postproc import effects
 from postproc.cli import main
-from postproc.effects import State, backlash_position, screw_heat
+from postproc.effects import State, backlash_position, laser_air, screw_heat
 
 MACHINE = """format = "gcomp-machine/1"
 name = "mill"
-chain = "w-X-Z-b-Y-t"
 control = "linuxcnc"
 source = "made up"
 """
+MILL, LATHE = 'chain = "w-X-Z-b-Y-t"\n', 'chain = "w-b-Z-X-t"\ndiameter = ["X"]\n'
 LASER = 'kind = "targets"\ninstrument = "laser interferometer"\nsensitive = { X = 1 }\n'
 
 
-def answered(folder: Path, kind: str, names: str, rows: list[str]) -> dict:
-    """The answer to a recording on a mill of 300 mm without errors."""
+def answered(
+    folder: Path, kind: str, names: str, rows: list[str], *beside: str, kind_of: str = MILL
+) -> dict:
+    """The answer to a recording on a machine of 300 mm without errors, beside other files."""
     path, answer, machine = folder / "r.csv", folder / "a.json", folder / "mill"
     machine.mkdir()
-    text = MACHINE
-    for x in "XYZ":
+    text = MACHINE + kind_of
+    for x in [x for x in "XYZ" if f"-{x}-" in kind_of]:
         (machine / f"{x}.csv").write_text(f"{x}_mm,E{x}{x}_um\n0,0\n300,0\n")
         text += f'[axes.{x}]\ntravel = [0.0, 300.0]\nleast_increment = 0.0001\ntable = "{x}.csv"\n'
     (machine / "machine.toml").write_text(text)
     head = f'format = "gcomp-recording/1"\nmachine = "mill"\n{kind}'
     path.write_text("".join(f"# {x}\n" for x in head.splitlines()) + "\n".join([names, *rows, ""]))
-    main(["diagnose", str(path), "--machine", str(machine), "--json", str(answer), "--quiet"])
+    files = [str(path), *beside, "--machine", str(machine), "--json", str(answer)]
+    main(["diagnose", *files, "--quiet"])
     return json.loads(answer.read_text())
 
 
@@ -132,3 +135,79 @@ def test_bores_of_another_tool_are_no_lost_motion(tmp_path, bored_um, bores):
     assert list(found) == ["tool_size"]
     assert found["tool_size"]["diameter_um"] == pytest.approx(-12.0, abs=1.0)
     assert found["tool_size"]["bores"] == bores
+
+
+def test_a_screw_that_ran_warm_in_a_pause_is_named(tmp_path):
+    """Read cold in three runs and warm in three: in between the axis ran for half an hour, of which
+    nothing was recorded; 50 um/m were reached, and it cools with a time constant of 1500 s."""
+    rng, rows = np.random.default_rng(11), []
+    for run in range(6):
+        for k, x in enumerate((20, 60, 100, 140, 180, 220, 260, 290)):
+            t = 20.0 * (8 * run + k) + (1800.0 if run > 2 else 0.0)
+            heat = 50.0 * np.exp(-(t - 2260.0) / 1500.0) if run > 2 else 0.0
+            rows.append(f"{run + 1},{t:.1f},{x},1,{heat * x * 1e-3 + rng.normal(0, 0.3):.2f}")
+    found = named(answered(tmp_path, LASER, "run,t_s,X_mm,approach_X,reading_um", rows))
+    assert list(found) == ["screw_heat"]
+    said = found["screw_heat"]
+    assert said["from_s"] == pytest.approx(460.0) and said["until_s"] == pytest.approx(
+        2280.0, abs=200
+    )
+    reached = said["grown_ppm"] * -np.expm1((said["from_s"] - said["until_s"]) / said["tau_s"])
+    assert reached == pytest.approx(50.0, rel=0.1)
+
+
+def test_steps_behind_a_turn_name_what_winds_up(tmp_path):
+    """Rows of ever larger steps behind a turn; what was travelled before each row was not recorded:
+    the turn lies at its begin, though its first target can be reached without one."""
+    rng, rows = np.random.default_rng(12), []
+    steps = np.array([0.005, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 4, 8, 15, 30, 50])
+    for run in range(3):
+        for turn, way in ((180.0, -1), (180.0, 1), (120.0, -1), (120.0, 1)):
+            for gone in steps:
+                t = 3.0 * len(rows) + 40.0 * (len(rows) // len(steps))
+                y = -way * (1 - 2 * np.exp(-gone / 4.0)) * 6.0 + rng.normal(0, 0.2)
+                rows.append(f"{run + 1},{t:.1f},{turn + way * gone:.4f},{way},{y:.2f}")
+    answer = answered(tmp_path, LASER, "run,t_s,X_mm,approach_X,reading_um", rows)
+    assert list(named(answer)) == ["windup"]
+    said = named(answer)["windup"]
+    assert said["size_um"] == pytest.approx(12.0, rel=0.05)
+    assert said["length_mm"] == pytest.approx(4.0, rel=0.1) and said["stairs"] == 1
+
+
+def test_a_laser_left_at_20_degrees_reads_by_the_air_of_each_recording(tmp_path):
+    """-0.93 um/(m K), air of 17, 21 and 26 degrees in three recordings, each of one temperature."""
+    state = State(
+        {"X": np.tile([0.0, 200.0], 3)},
+        {"X": np.ones(6)},
+        {"X": (0.0, 300.0)},
+        time=np.arange(6.0),
+        file=np.repeat([0.0, 1.0, 2.0], 2),
+        beam=np.tile([0.0, 200.0], 3),
+        channels={"T_air_C": np.repeat([17.0, 21.0, 26.0], 2) + np.tile([0.0, 0.1], 3)},
+    )
+    assert {shape["by"] for shape in laser_air.shapes(state, "")} >= {1.0, 2.0}
+    found = laser_air.columns(state, "", by=2.0)[0] * -0.93 * 1e3
+    air = np.array([-2.9, 1.1, 6.1])
+    assert found[1::2] == pytest.approx(-0.93 * 0.2 * air) and found[::2] == pytest.approx(0.0)
+
+
+def test_turned_diameters_beside_targets_are_diagnosed(tmp_path):
+    """What is turned has no second wall at another place of the slide (was a traceback)."""
+    rng, rows = np.random.default_rng(15), []
+    for kind, size in (("boss_diameter", 28.0), ("bore_diameter", 36.0), ("bore_diameter", 17.0)):
+        for part in (1, 2, 3):
+            read = size + 1e-3 * rng.normal(0, 1.0)
+            rows.append(f"{kind}{size:g},{kind},X,{size},{read:.4f},{part},1")
+    parts, names = 'kind = "features"', "feature,kind,axis,nominal_mm,measured_mm,part,reading"
+    head = f'format = "gcomp-recording/1"\nmachine = "mill"\n{parts}'.splitlines()
+    features = tmp_path / "parts.csv"
+    features.write_text("\n".join([*(f"# {line}" for line in head), names, *rows, ""]))
+    places = np.linspace(10, 290, 12)
+    targets = [
+        f"{run},{100 * run + 5 * k}.0,{x:.2f},1,{rng.normal(0, 0.3):.2f}"
+        for run in (1, 2, 3)
+        for k, x in enumerate(places)
+    ]
+    names = "run,t_s,X_mm,approach_X,reading_um"
+    answer = answered(tmp_path, LASER, names, targets, str(features), kind_of=LATHE)
+    assert answer["verdict"] == "nothing-left-out" and len(answer["recordings"]) == 2
