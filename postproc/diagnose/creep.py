@@ -27,7 +27,7 @@ QUIET, OF_NORMAL = 0.25, 0.3186
 AT_ONCE, FEW = 0.25, 4
 # of the way that it is driven on: what it lags by while it stands; by less where the reading is
 # taken behind what gives (a belt, a motor's encoder)
-STANDS = 0.02, 1.5
+STANDS = 0.12, 1.5
 SPREAD = 4.0  # standard deviations within which the end of a cycle is looked for
 
 

@@ -63,6 +63,7 @@ def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
         if any(sizes[unit] == max(sizes) < rms for _, rms, unit in found):
             f.status = "tentative"
     _borne_out(d)
+    _significant(d)
     _electronics(d, sets)
     _curves(d)
     if not left:
@@ -72,6 +73,14 @@ def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
     signal = int(d.rows.signal[own[0]])
     total = float(np.mean(d.before[own] ** 2))
     return mapped(d.rows, d.held, signal, rms, min(1.0, rms**2 / max(total, 1e-30)), d.after)
+
+
+def _significant(d: Diagnosis) -> None:
+    """A name is tentative where the others, with the errors of their forms, leave so little to it
+    that noise reaches it: of chi squared its expectation, one for each size, and the threshold."""
+    for f in d.findings:
+        if f.delta_chi2 < f.block.width + d.least:
+            f.status = "tentative"
 
 
 def _electronics(d: Diagnosis, sets: Sets) -> None:

@@ -111,3 +111,11 @@ def test_cycles_are_drawn_where_none_were_seen():
     assert lag[np.isfinite(lag)].mean() == pytest.approx(0.0, abs=0.15)
     state.velocity["X"][:] = 2.0
     assert not deviation(load("stick_slip"), state, "X", **named).any()
+
+
+def test_what_lags_by_a_part_of_its_way_slips_too():
+    """Teeth of 3 um over 20 um each: what is read lies behind a belt that gives."""
+    t, place, speed = creeping((0.2,))
+    lag = 3.0 * (((place - place[0]) * 1e3 / 20.0) % 1.0)
+    found = creep.of(place, lag * 1e-3, speed, np.ones(len(t)))
+    assert found is not None and found.ways * 1e3 == pytest.approx(19.3, abs=0.7)

@@ -89,3 +89,29 @@ def test_a_few_readings_that_took_no_part_say_nothing(monkeypatch, count, told):
     sets = SimpleNamespace(evidence=SimpleNamespace(parts=[part]))
     found = judge._unpredicted(cast(Any, d), cast(Any, sets))
     assert found == [(10.0, 20.0, 0)] * told
+
+
+@pytest.mark.parametrize("share, verdict", [(0.0, "nothing-left-out"), (0.25, "unknown")])
+def test_a_slide_with_two_seats(tmp_path, share, verdict):
+    """Every fourth reading by chance 7 um off: the zero lies between the two, so that none is far
+    from it."""
+
+    def seats(t):
+        return 7.0 * (np.random.default_rng(5).random(len(t)) < share)
+
+    answer = answered(tmp_path, seats, of=("1", "2", "3", "4"), runs=4, noise=0.47)
+    assert not [e for e in answer["effects"] if e["status"] == "accepted"]
+    assert answer["verdict"] == verdict
+
+
+@pytest.mark.parametrize(
+    "fall, sizes, status",
+    [(9.1, 1, "accepted"), (8.9, 1, "tentative"), (11.9, 4, "tentative"), (12.1, 4, "accepted")],
+)
+def test_a_name_that_the_others_leave_no_more_than_noise_is_tentative(fall, sizes, status):
+    """Threshold 8; by noise chi squared is 1 for each size."""
+    finding = SimpleNamespace(
+        delta_chi2=fall, block=SimpleNamespace(width=sizes), status="accepted"
+    )
+    judge._significant(cast(Any, SimpleNamespace(findings=[finding], least=8.0)))
+    assert finding.status == status

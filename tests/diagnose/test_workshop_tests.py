@@ -211,3 +211,16 @@ def test_turned_diameters_beside_targets_are_diagnosed(tmp_path):
     names = "run,t_s,X_mm,approach_X,reading_um"
     answer = answered(tmp_path, LASER, names, targets, str(features), kind_of=LATHE)
     assert answer["verdict"] == "nothing-left-out" and len(answer["recordings"]) == 2
+
+
+def test_bores_and_bosses_along_one_axis_are_first_of_all_a_tool(tmp_path):
+    """A cutter 85 um too small, by a caliper of 10 um: lost motion of that axis would do it too."""
+    rng, rows = np.random.default_rng(16), []
+    for kind, size, off in (("bore", 46.7, -85.0), ("bore", 25.7, -85.0), ("boss", 25.2, 85.0)):
+        for part in (1, 2, 3, 4, 5):
+            read = size + 1e-3 * (off + rng.normal(0, 4.0))
+            rows.append(f"{kind}{size:g},{kind}_diameter,Z,{size},{read:.2f},{part},1")
+    names = "feature,kind,axis,nominal_mm,measured_mm,part,reading"
+    answer = answered(tmp_path, 'kind = "features"\n', names, rows)
+    assert list(named(answer)) == ["tool_size"]
+    assert "backlash:Z" in answer["effects"][0]["equivalent"]
