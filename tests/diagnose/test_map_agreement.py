@@ -72,6 +72,10 @@ def test_a_set_that_says_the_same_stands_in_for_one_that_can_not_be(next_best, c
         def fits(fit, k):
             return k != 0
 
+        @staticmethod
+        def everywhere(state):
+            return True
+
     states = [
         SimpleNamespace(
             key=name,
