@@ -85,7 +85,12 @@ def test_recorded_air_stands_beside_air_that_changes_with_the_time():
     """A thermometer may be late or hang, and nobody records the pressure: two recordings, each with
     a rate of its own. The laser may know nothing of the temperature between them either."""
     s = state(T_air_C=np.linspace(20.0, 22.0, 12))
-    assert {shape["by"] for shape in effects.load("laser_air").shapes(s, "")} == {2.0, 1.0, -2.0, 0.0}
+    assert {shape["by"] for shape in effects.load("laser_air").shapes(s, "")} == {
+        2.0,
+        1.0,
+        -2.0,
+        0.0,
+    }
 
 
 def test_air_that_nobody_recorded_is_not_offered_by_its_temperature():
