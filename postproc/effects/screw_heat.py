@@ -27,7 +27,8 @@ PARAMETERS = {
     "until_s": (
         "s, after the first reading, when the axis came to rest and cooled; 0, heat came to the end"
     ),
-    "from_s": "s, after the first reading, from when heat came",
+    "from_s": "s, after the first reading, when a pause began in which the axis was run warm",
+    "to_s": "s, after the first reading, when that pause ended and it cooled; 0, there was none",
 }
 OPTIONAL = {
     "alpha_ppm_K": 0.0,
@@ -40,11 +41,13 @@ OPTIONAL = {
     "warm": 0.0,
     "until_s": 0.0,
     "from_s": 0.0,
+    "to_s": 0.0,
 }
 CONTINUOUS = {"tau_s": (60.0, 30000.0), "until_s": (60.0, 1e6)}
 TAUS = (600.0, 1800.0, 5400.0)  # s
 RESTS = (0.3, 0.5, 0.7)  # of what was recorded
 PAUSES, LONG, TIMES = 2, 300.0, 5.0  # at most; s at least; times the usual pause between readings
+ALL_THE_TIME = {"until_s": 0.0, "from_s": 0.0, "to_s": 0.0}
 EXPECTED = {"alpha_ppm_K": 1, "grown_ppm": 1}
 # Steel 11.5, glass 8, aluminium 23 ppm/K, and a thermometer that does not lie on the screw itself.
 # A screw gets 25 K warmer at the
@@ -79,30 +82,35 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     ]
     held = [{"held_at_mm": end, "free": free} for end, free in ends]
     plain = [
-        {"tau_s": t, "by_travel": w, "warm": warm, "until_s": 0.0, "from_s": 0.0}
+        {"tau_s": t, "by_travel": w, "warm": warm} | ALL_THE_TIME
         for t, w in heats
         for warm in ((0.0,) if known else (0.0, 1.0))
     ]
     lasts = float(np.ptp(state.time))
-    runs = [(0.0, share * lasts) for share in RESTS if share * lasts > CONTINUOUS["until_s"][0]]
+    times = [{"until_s": share * lasts} for share in RESTS]
+    times = [v for v in times if v["until_s"] > CONTINUOUS["until_s"][0]] + _pauses(state)
     rested = [
-        {"tau_s": t, "by_travel": 0.0, "warm": 0.0, "until_s": until, "from_s": begin}
+        {"tau_s": t, "by_travel": 0.0, "warm": 0.0} | ALL_THE_TIME | when
         for t in TAUS
-        for begin, until in runs + _pauses(state)
+        for when in times
     ]
     return [shape | end for shape in plain + rested for end in held]
 
 
-def _pauses(state: State) -> list[tuple[float, float]]:
-    """(from, until) s after the first reading: pauses in which an axis could be run warm, the
-    longest first."""
-    t = np.unique(state.time[~sampled(state)])
+def _pauses(state: State) -> list[dict[str, float]]:
+    """from_s and to_s of pauses in which an axis could be run warm, the longest first."""
+    first = state.time[first_timed(state)]
+    t = np.unique(state.time[~sampled(state) & (state.time >= first)])
     gaps = np.diff(t)
     if not len(gaps):
         return []
-    first, least = t[0], max(LONG, TIMES * float(np.median(gaps)))
+    least = max(LONG, TIMES * float(np.median(gaps)))
     longest = np.argsort(-gaps, kind="stable")[:PAUSES]
-    return [(float(t[k] - first), float(t[k + 1] - first)) for k in longest if gaps[k] > least]
+    return [
+        {"from_s": float(t[k] - first), "to_s": float(t[k + 1] - first)}
+        for k in longest
+        if gaps[k] > least
+    ]
 
 
 def instead(shape: dict[str, float]) -> bool:
@@ -121,12 +129,13 @@ def columns(
     warm: float = 0.0,
     until_s: float = 0.0,
     from_s: float = 0.0,
+    to_s: float = 0.0,
 ) -> np.ndarray:
     heat = temperature_rise(state, axis, tau_s, by_travel)
-    if until_s > 0:
+    if end := max(until_s, to_s):
         gone = state.time - state.time[first_timed(state)]
-        heated = np.clip(gone, from_s, until_s) - from_s
-        cooled = np.maximum(gone - until_s, 0.0)
+        heated = np.clip(gone, from_s, end) - from_s
+        cooled = np.maximum(gone - end, 0.0)
         heat = -np.expm1(-heated / tau_s) * np.exp(-cooled / tau_s)
     place = (state.position[axis] - held_at_mm) * 1e-3
     return along(axis, heat * place, *([heat] if free else []), *([place] if warm else []))
@@ -138,7 +147,7 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     fixed = value[1] if len(value) > 1 else 0.0
     alpha, grown = (0.0, value[0]) if shape["tau_s"] > 0 else (value[0], 0.0)
     sizes = {"alpha_ppm_K": alpha, "grown_ppm": grown, "fixed_um_K": fixed}
-    rest = {name: shape.get(name, 0.0) for name in ("warm", "until_s", "from_s")}
+    rest = {name: shape.get(name, 0.0) for name in ("warm", *ALL_THE_TIME)}
     return sizes | shape | {"warm_ppm": warm} | rest
 
 
@@ -154,6 +163,7 @@ def coefficients(
     warm: float = 0.0,
     until_s: float = 0.0,
     from_s: float = 0.0,
+    to_s: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     value = [
         alpha_ppm_K + grown_ppm,
@@ -168,4 +178,5 @@ def coefficients(
         "warm": warm,
         "until_s": until_s,
         "from_s": from_s,
+        "to_s": to_s,
     }
