@@ -46,8 +46,8 @@ NOT_PREDICTABLE = ("vibration", "step_loss")  # in another run: its phase, its m
 
 def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
     """What no name explains, with its map. Names become tentative where the recordings can not be
-    trusted, where runs that took no part do not bear them out, and where more of what they explain
-    comes back than they explain."""
+    trusted, where runs that took no part do not bear them out, where noise reaches what they
+    explain, and where more of that comes back than they explain."""
     for f in d.findings:
         if d.disagreements:
             f.status = "tentative"

@@ -40,9 +40,9 @@ FEATURE = 5e-4
 # mm: how far lost motion is from being taken up where a recording begins (a preloaded screw's,
 # unverified); ways over which it is taken up
 BEGINS, TAKEN_UP = 2e-3, (0.1, 1.0, 5.0)
-# mm: what a circle begins with, a spike too; s: in which it fades; of its largest speed: less is
-# rest
-SPIKES, FADES, RESTING = 1e-2, (0.05, 0.2, 0.5), 0.02
+# mm: by how much a circle may be off where it begins, spikes counted; s: times in which that fades
+SPIKES, FADES = 1e-2, (0.05, 0.2, 0.5)
+RESTING = 0.02  # of the largest speed of an axis: with less it rests
 # mm: by how much the zero of an instrument differs from run to run, usually and at most
 RUN, MOST_RUN = 3e-4, 1e-3
 WANDER, MOST_WANDER = (

@@ -34,7 +34,9 @@ UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
 FORM = 0.1
 FORM_SD = 0.1  # of what it explains, by the place, by the time
 BUILT_UP, AFTER_TURN = 5.0, (0.01, 0.05, 0.2)  # times that: while it builds up after a turn; s
-THERE = 0.4  # of what an effect says of a recording: less is not that effect
+# of what an effect predicts for a recording at rest: with less left of it, its error of form
+# counted, it is another effect
+THERE = 0.4
 FORMED = 1e-3  # mm: the error of form of less is nothing
 VISIBLE = 0.2  # of the white noise
 OPEN = 5e-3  # mm: a set-up that may be so far off is open

@@ -3,7 +3,7 @@
 
 One cause in every set-up of a laser, along whatever axis: by the temperature of the air where it
 was recorded, else by what the air did while each recording lasted; and by what the laser was told
-wrong from the first reading on.
+wrong from the first reading on, or by all that the air differs from 20 degrees.
 """
 
 import numpy as np
@@ -15,14 +15,14 @@ FILES = 8  # recordings of a laser whose air may change, each in its own way
 PARAMETERS = {
     "ppm_K": (
         "um/(m K), reading over beam length and the air's temperature since the recording's first"
-        " reading"
+        " reading, or above 20 degrees (by = 2)"
     ),
     "wrong_ppm": ("um/m, error of the air that was set in the laser, from the first reading on"),
     "told": "1, other air was set in the laser; 0, the right one",
     "by": (
-        "1, the air changed with its recorded temperature; 2, so it did, and the laser was left at"
-        " 20 degrees in all recordings; 0, it did not change; below zero: it changed with the time,"
-        " in each of the laser's recordings in its own way"
+        "1, the air changed with its recorded temperature; 2, the laser was left at 20 degrees in"
+        " all recordings, whatever the air's recorded temperature; 0, it did not change; below"
+        " zero: it changed with the time, in each of the laser's recordings in its own way"
     ),
     **{
         f"ppm_h_{k}": f"um/(m h), by which the air changed in the laser's recording {k}"
@@ -49,7 +49,8 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     lasting = 0 < len(lit) <= FILES and all(np.ptp(state.time[state.file == f]) > 0 for f in lit)
     # A thermometer that lags, and the pressure that nobody records: the air may change as the time
     # goes, too.
-    several = known and len(lit) > 1
+    own = np.isin(state.file, lit)
+    several = air is not None and len(lit) > 1 and np.ptp(air[own]) > 0
     ways = [
         *([1.0] if known else []),
         *([2.0] if several else []),

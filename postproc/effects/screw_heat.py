@@ -25,7 +25,8 @@ PARAMETERS = {
     ),
     "warm": "1, it was warm at the first reading, from a use that was not recorded; 0, it was not",
     "until_s": (
-        "s, after the first reading, when the axis came to rest and cooled; 0, heat came to the end"
+        "s, after the first reading, when the axis came to rest and cooled, heated with the time"
+        " until then; 0, heat came to the end"
     ),
     "from_s": "s, after the first reading, when a pause began in which the axis was run warm",
     "to_s": "s, after the first reading, when that pause ended and it cooled; 0, there was none",

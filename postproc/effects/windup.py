@@ -72,15 +72,18 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 def _stairs(state: State, axis: str) -> np.ndarray:
     """(N,) mm of each reading at rest behind the first of its row of targets in one direction;
-    infinite in motions."""
+    infinite in motions and where no time is known."""
     since = np.full(len(state), np.inf)
+    if len(state.time) != len(state):
+        return since
     rests = ~sampled(state)
     file = state.file if len(state.file) == len(state) else np.zeros(len(state))
     for number in np.unique(file[rests]):
         own = np.flatnonzero((file == number) & rests)
         own = own[np.argsort(state.time[own], kind="stable")]
         place, side = state.position[axis][own], np.sign(state.approach[axis][own])
-        for part in np.split(np.arange(len(own)), np.flatnonzero(np.diff(side)) + 1):
+        again = (np.diff(side) != 0) | (np.diff(place) * side[1:] < 0)  # it went back
+        for part in np.split(np.arange(len(own)), np.flatnonzero(again) + 1):
             since[own[part]] = np.abs(place[part] - place[part[:1]])
     return since
 
@@ -99,16 +102,22 @@ def columns(
     stairs: float = 0.0,
 ) -> np.ndarray:
     lengths = np.multiply(SPREAD if spread else (1.0,), length_mm)
-    if stairs and not sampled(state).all():
-        since = _stairs(state, axis)
-        wound = -state.approach[axis] / 2 * (2 * _built_up(since, lengths) - 1)
-    elif axis in state.path:
+    if axis in state.path:
         ways = state.path[axis]
         each = np.sign(ways) * _built_up(np.abs(ways), lengths)
         wound = each[0] / 2 - each.sum(axis=0)
-    else:  # the last turn alone
-        wound = -state.approach[axis] / 2 * (2 * _built_up(state.distance[axis], lengths) - 1)
+    else:
+        wound = _since_a_turn(state, axis, state.distance[axis], lengths)
+    if stairs:
+        since = _stairs(state, axis)
+        wound = np.where(np.isinf(since), wound, _since_a_turn(state, axis, since, lengths))
     return along(axis, wound, *([wound * state.share(axis)] if grows else []))
+
+
+def _since_a_turn(state: State, axis: str, gone: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """(N,) of the size, by the last turn alone; gone (N,) mm: way since then."""
+    wound: np.ndarray = -state.approach[axis] / 2 * (2 * _built_up(gone, lengths) - 1)
+    return wound
 
 
 def _built_up(way: np.ndarray, lengths: np.ndarray) -> np.ndarray:

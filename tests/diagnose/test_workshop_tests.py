@@ -160,7 +160,7 @@ def test_steps_behind_a_turn_name_what_winds_up(tmp_path):
     rng, rows = np.random.default_rng(12), []
     steps = np.array([0.005, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 4, 8, 15, 30, 50])
     for run in range(3):
-        for turn, way in ((180.0, -1), (180.0, 1), (120.0, -1), (120.0, 1)):
+        for turn, way in ((180.0, -1), (180.0, 1), (120.0, 1), (120.0, -1)):
             for gone in steps:
                 t = 3.0 * len(rows) + 40.0 * (len(rows) // len(steps))
                 y = -way * (1 - 2 * np.exp(-gone / 4.0)) * 6.0 + rng.normal(0, 0.2)
@@ -181,11 +181,11 @@ def test_a_laser_left_at_20_degrees_reads_by_the_air_of_each_recording(tmp_path)
         time=np.arange(6.0),
         file=np.repeat([0.0, 1.0, 2.0], 2),
         beam=np.tile([0.0, 200.0], 3),
-        channels={"T_air_C": np.repeat([17.0, 21.0, 26.0], 2) + np.tile([0.0, 0.1], 3)},
+        channels={"T_air_C": np.repeat([17.0, 21.0, 26.0], 2)},
     )
-    assert {shape["by"] for shape in laser_air.shapes(state, "")} >= {1.0, 2.0}
+    assert 2.0 in {shape["by"] for shape in laser_air.shapes(state, "")}
     found = laser_air.columns(state, "", by=2.0)[0] * -0.93 * 1e3
-    air = np.array([-2.9, 1.1, 6.1])
+    air = np.array([-3.0, 1.0, 6.0])
     assert found[1::2] == pytest.approx(-0.93 * 0.2 * air) and found[::2] == pytest.approx(0.0)
 
 
