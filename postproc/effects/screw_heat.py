@@ -87,15 +87,18 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
         for t, w in heats
         for warm in ((0.0,) if known else (0.0, 1.0))
     ]
-    lasts = float(np.ptp(state.time))
-    times = [{"until_s": share * lasts} for share in RESTS]
-    times = [v for v in times if v["until_s"] > CONTINUOUS["until_s"][0]] + _pauses(state)
     rested = [
         {"tau_s": t, "by_travel": 0.0, "warm": 0.0} | ALL_THE_TIME | when
         for t in TAUS
-        for when in times
+        for when in _rests(state) + _pauses(state)
     ]
     return [shape | end for shape in plain + rested for end in held]
+
+
+def _rests(state: State) -> list[dict[str, float]]:
+    """until_s of tests in which the axis was run warm and cooled."""
+    times = [share * float(np.ptp(state.time)) for share in RESTS]
+    return [{"until_s": t} for t in times if t > CONTINUOUS["until_s"][0]]
 
 
 def _pauses(state: State) -> list[dict[str, float]]:
