@@ -1,0 +1,93 @@
+"""A set of effects: errors of its form, and the recordings in which it should show, by hand."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from postproc.diagnose.block import Block
+from postproc.diagnose.library import FOUND
+from postproc.diagnose.sets import Sets, _terms
+from postproc.effects import UM, load
+from tests.diagnose.test_search import LAG, found
+
+
+@pytest.mark.parametrize("wave", [False, True])
+def test_terms_by_which_a_form_may_be_wrong(wave):
+    """By the place, at most 1.2 times; by the time; a sample later in the same motion, where it is
+    no wave; while it builds up after a turn, before which there is none."""
+    part = np.array([2.0, 2.0, 4.0, 7.0])
+    since = np.array([9.0, 0.0, 0.05, 0.1])
+    rows = SimpleNamespace(
+        signal=np.zeros(4),
+        state=SimpleNamespace(
+            position={"X": None},
+            share=lambda x: np.array([-2.0, -0.5, 0.5, 2.0]),
+            time=np.array([10.0, 11.0, 12.0, 14.0]),
+            since={"X": since},
+            passage=np.array([-1, 0, 0, 0]),
+        ),
+    )
+    module = load(next(iter(FOUND)) if wave else "backlash")
+    block = Block(module, "X", (), lambda: part[:, None] / 2)
+    after = [[0.0, *(5 * part * np.exp(-since / tau))[1:]] for tau in (0.01, 0.05, 0.2)]
+    later = [] if wave else [[0.0, 0.0, 2.0, 3.0]]
+    by_hand = [[-2.4, -1.0, 2.0, 8.4], [-2.0, -1.0, 0.0, 7.0], *later, *after]
+    assert _terms(cast(Any, rows), block, np.array([2.0])).T == pytest.approx(np.array(by_hand))
+
+
+@pytest.mark.parametrize(
+    "again, dense, everywhere",
+    [
+        (0.5, False, True),  # of what is said of the second recording
+        (0.3, False, False),
+        (-1.0, False, False),
+        (0.3, True, True),  # motions may differ by their feeds
+    ],
+)
+def test_a_name_is_in_each_recording_in_which_it_should_show(again, dense, everywhere):
+    """8 um in two recordings, of which the terms of its form leave a share in the second."""
+    size, form = np.array([8.0, -8.0, 8.0, -8.0]), np.array([0.0, 0.0, 1.0, -1.0])
+    blocks = [SimpleNamespace(columns=v[:, None] * UM) for v in (size, form)]
+    parts = [
+        SimpleNamespace(unit=SimpleNamespace(rows=np.array(own), dense=dense))
+        for own in ((0, 1), (2, 3))
+    ]
+    state = found((0,), 0.0)
+    state.fit.chosen = (0, 1)
+    sets = SimpleNamespace(
+        rows=range(4),
+        blocks=blocks,
+        evidence=SimpleNamespace(parts=parts),
+        at_own_form=lambda state: state,
+        value=lambda fit, k: np.array([1.0, 8.0 * (again - 1)])[[k]],
+        _of_form={1: 0},
+    )
+    assert Sets.everywhere(cast(Any, sets), state) is everywhere
+
+
+@pytest.mark.parametrize(
+    "grown, afresh, likelier",
+    [
+        (0.5, 9.0, False),  # nothing has grown: what was learned before is right, and is not left
+        (1.5, 9.0, True),
+        (1.5, 3.0, False),
+    ],
+)
+def test_sizes_are_learned_afresh_where_what_was_learned_before_has_grown(grown, afresh, likelier):
+    """Beside a set of which something grew beyond what is usual the likelier of two fits is taken:
+    from its sizes (worth 5), and from the usual ones."""
+    evidence = SimpleNamespace(
+        parts=[],
+        shared_usual=np.ones(1),
+        learn=lambda *_, afresh=False: fits[afresh],
+    )
+    fits = {False: SimpleNamespace(value=5.0), True: SimpleNamespace(value=afresh)}
+    like = found((), 0.0)
+    like.fit.parts, like.fit.shared = [], np.array([2 * grown])
+    sets = cast(Any, SimpleNamespace(evidence=evidence))
+    least = np.zeros(0)
+    assert Sets._learned(sets, (LAG,), like, frozenset(), least) is fits[likelier]
