@@ -5,16 +5,16 @@ the literature by somebody who has not read the tool.
                                                the freeze commit
     python -m proof.strangers_trial --beside FOLDER   # the same cases with another version of the
                                                       tool (a checkout), too
-    python -m proof.strangers_trial --kinds apart     # the last family of kinds, known by numbers
+    python -m proof.strangers_trial --kinds distant   # the last family of kinds, known by numbers
     python -m proof.strangers_trial --kinds unseen --tiers null=60,single=60   # so many cases each
 
 Kinds of noise, of physics and of tests that `held` draws were opened in no development run, but a
 trial has shown them by name; a third family, `fresh`, bears numbers instead of names; its cases of
 commit `3eaefd253c` were looked at one by one after their trial, so it is fresh no more; a fourth,
 `sealed`, bears numbers too; its cases of commit `251846cf0d` were looked at after their trial; a
-fifth, `unseen`, bears numbers too and was looked at after five trials; a sixth, `later`, and a
-seventh, `apart`, bear numbers and draw nothing from the open kinds; `later` was looked at after
-eleven trials, in cases of other seeds.
+fifth, `unseen`, bears numbers too and was looked at after five trials; `later`, `apart` and
+`distant` bear numbers and draw nothing from the open kinds; `later` was looked at after eleven
+trials, in cases of other seeds.
 The seed of a tier is SHA-256 of the freeze commit, "strangers" and the tier; the truth's salted
 hash is laid down before the tool is run, that of the answers before the truth is opened. Follow-up
 recordings and the loop are not part of it (see proof.trial).
@@ -57,6 +57,7 @@ KEPT = {
     "unseen": "unseen kinds",
     "later": "later kinds",
     "apart": "kinds apart",
+    "distant": "distant kinds",
 }
 
 

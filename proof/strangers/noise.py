@@ -5,8 +5,8 @@ ou (Ornstein-Uhlenbeck), walk (Wiener), iou (integrated OU), flicker (1/f as a s
 decades, Milotti 1995), settle (exponential after set-up), quant (rounding), outlier.
 Held: modulated (periodic variance), arma (moving-average part), levy (jumps that relax),
 hum (narrow-band, unstable frequency), tempwander (follows the room), telegraph (two states).
-Fresh, sealed, unseen, later, apart: see LATER; the modules that file the last ones are not for who
-works on the judged tool.
+Fresh, sealed, unseen, later, apart, distant: see LATER; the modules that file the last ones are not
+for who works on the judged tool.
 A slow kind is given to the oracle as a kernel (FITC approximation on knots in time); kinds that
 are not Gaussian enter with their second moments.
 """

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import apart_designs, fresh_designs, later_designs, sealed_designs, unseen_designs
+from . import (
+    apart_designs,
+    distant_designs,
+    fresh_designs,
+    later_designs,
+    sealed_designs,
+    unseen_designs,
+)
 from .base import AX, Rec, Rng, pick
 from .designs import ballbar, diagonal, features, inside, targets
 from .machines import Machine, draw_machine
@@ -48,7 +55,11 @@ PLANS: dict[str, list[str]] = {
     "clock_skew": ["trace_scale", "trace_tool"],
 }
 EFFECTS = sorted(PLANS)
-OWN = {"later": later_designs, "apart": apart_designs}  # families with experiments of their own
+OWN = {
+    "later": later_designs,
+    "apart": apart_designs,
+    "distant": distant_designs,
+}  # families with experiments of their own
 # families that try what a plan is for
 MADE_FOR = {"unseen": PLANS} | {family: of.PLANS for family, of in OWN.items()}
 

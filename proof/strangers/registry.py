@@ -1,11 +1,12 @@
 """Register of textbook forms: effect name -> list of (form, family, function).
 
-Seven families of kinds: "open" to development; "held" back from it, until a trial has shown them;
-"fresh", "sealed", "unseen" and "later", whose cases were looked at after trials; "apart", of which
-trials show figures alone. A case draws from its own family and from the open one; one of "later" or
-"apart" draws its forms, noises, aliens and plans from its own alone (what rounds a reading, a gross
-error and the tests of the tier "blind" are the frame's). Forms, noises and aliens of the last five
-bear numbers for names, so that the page of a trial does not give away what they are.
+Eight families of kinds: "open" to development; "held" back from it, until a trial has shown them;
+"fresh", "sealed", "unseen" and "later", whose cases were looked at after trials; "apart" and
+"distant", of which trials show figures alone. A case draws from its own family and from the open
+one; one of the last three draws its forms, noises, aliens and plans from its own alone (what rounds
+a reading, a gross error and the tests of the tier "blind" are the frame's). Forms, noises and
+aliens of the last six bear numbers for names, so that the page of a trial does not give away what
+they are.
 """
 
 from __future__ import annotations
@@ -19,9 +20,9 @@ from .world import World
 
 Form = Callable[[World, Rng, int], "Shape | None"]
 FORMS: dict[str, list[tuple[str, str, Form]]] = {}
-FAMILIES = ("open", "held", "fresh", "sealed", "unseen", "later", "apart")
+FAMILIES = ("open", "held", "fresh", "sealed", "unseen", "later", "apart", "distant")
 NUMBERED = FAMILIES[2:]  # families whose kinds bear numbers
-ALONE = ("later", "apart")  # families whose cases draw nothing from the open one
+ALONE = ("later", "apart", "distant")  # families whose cases draw nothing from the open one
 
 
 def form(effect: str, name: str, family: str = "open") -> Callable[[Form], Form]:
@@ -57,6 +58,11 @@ def later(effect: str) -> Callable[[Form], Form]:
 def apart(effect: str) -> Callable[[Form], Form]:
     """Decorator that files a form of the apart family under its effect, numbered."""
     return numbered(effect, "apart")
+
+
+def distant(effect: str) -> Callable[[Form], Form]:
+    """Decorator that files a form of the distant family under its effect, numbered."""
+    return numbered(effect, "distant")
 
 
 def numbered(effect: str, family: str) -> Callable[[Form], Form]:

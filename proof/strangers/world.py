@@ -140,6 +140,7 @@ THERMOMETERS = {  # of a family
     "unseen": ["good", "lag", "lag", "lag", "offset", "coarse"],
     "later": ["good", "good", "lag", "offset", "coarse", "coarse"],
     "apart": ["good", "good", "good", "lag", "offset", "coarse"],
+    "distant": ["good", "good", "offset", "lag", "noise", "coarse"],
 }
 
 
