@@ -282,3 +282,87 @@ def lorry_drives_past(w: World, r: Rng, ax: int) -> Shape | None:
         return (-u * np.exp(0.5 - u**2 / 2)) @ size
 
     return everywhere(d, f)
+
+
+@alien
+def bumped_by_the_other(w: World, r: Rng, ax: int) -> Shape | None:
+    """An axis that is pushed aside each time another one starts or stops, and is back within a
+    tenth of a second or a few.  `reversal_spike` and `inertia` go with the axis's own motion."""
+    others = [a for a in w.machine.axes if a != ax and sampled(w, a)]
+    if not others:
+        return None
+    to, tau = int(pick(r, others)), logu(r, 0.04, 0.3)
+    side = pick(r, [-1.0, 1.0])
+
+    def f(q: Rec) -> Array:
+        if q.kind != "trace":
+            return np.zeros(len(q.t))
+        moves = (np.abs(q.vel[:, to]) > 1e-3) * 1
+        change = np.diff(moves, prepend=moves[0])
+        last = np.maximum.accumulate(np.where(change != 0, np.arange(len(moves)), -1))
+        u = (q.t - q.t[np.maximum(last, 0)]) / tau
+        way = np.where(change[np.maximum(last, 0)] > 0, 1.0, -0.8)
+        return np.where(last >= 0, side * way * u * np.exp(1 - u), 0.0)
+
+    return both(ax, f, axis="")
+
+
+@alien
+def valves_slam(w: World, r: Rng, ax: int) -> Shape | None:
+    """A tool changer's valves that slam at odd moments: kicks to one side, each gone within half a
+    second, at rest and in motion.  `vibration` has a frequency, `reversal_spike` a reversal."""
+    if not sampled(w, ax):
+        return None
+    key, mean, tau = int(r.integers(2**62)), logu(r, 0.8, 4), logu(r, 0.05, 0.4)
+
+    def f(q: Rec) -> Array:
+        if q.kind != "trace":
+            return np.zeros(len(q.t))
+        g = stream(key, q.name)
+        n = int(3 * np.ptp(q.t) / mean) + 9
+        at, size = np.cumsum(mean * g.uniform(0.3, 1.7, n)), g.uniform(0.4, 1.0, n)
+        t = q.t - q.t[0]
+        last = np.searchsorted(at, t, "right") - 1
+        since = t - at[np.maximum(last, 0)]
+        return np.where(last >= 0, size[np.maximum(last, 0)] * np.exp(-since / tau), 0.0)
+
+    return both(ax, f, axis="")
+
+
+@alien
+def cools_on_the_table(w: World, r: Rng, ax: int) -> Shape | None:
+    """Parts that come warm to the CMM and cool as they are read: lengths are long in the first
+    readings of each part and right in the last.  `scale` is the same in all readings."""
+    files = [q for q in w.recs if q.kind == "features"]
+    if not any(max(i[5] for i in q.meta["info"]) > 1 for q in files):
+        return None
+    fade = r.uniform(0.15, 0.5)
+
+    def f(q: Rec) -> Array:
+        size = np.array([i[3] for i in q.meta["info"]])
+        read = np.array([i[5] for i in q.meta["info"]])
+        return size / 100 * fade ** (read - 1) * (read.max() > 1)  # else they lay there overnight
+
+    return Shape(lambda q, a: Part(reading=a * f(q)) if q.kind == "features" else Part(), "")
+
+
+@alien
+def warms_while_it_is_cut(w: World, r: Rng, ax: int) -> Shape | None:
+    """A part that warms up as it is cut: what is cut later in it comes out short, in every part
+    anew.  `scale` does not know the order, `tool_wear` goes on over the parts and knows walls."""
+    files = [q for q in w.recs if q.kind == "features"]
+
+    def f(q: Rec) -> Array:
+        order = np.array([i[0] for i in q.meta["info"]])
+        size = np.array([i[3] for i in q.meta["info"]])
+        return -size / 100 * (order > order.max() / 2)
+
+    for q in files:  # a pattern that lengths and walls tell as well is none
+        y, rad = f(q), q.meta["radial"]
+        known = np.c_[rad, np.array([i[3] for i in q.meta["info"]])]
+        rest = y - known @ np.linalg.lstsq(known, y, rcond=None)[0]
+        if (rest**2).mean() < 0.3 * (y**2).mean():
+            return None
+    if not files:
+        return None
+    return Shape(lambda q, a: Part(reading=a * f(q)) if q.kind == "features" else Part(), "")

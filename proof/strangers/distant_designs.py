@@ -45,7 +45,7 @@ PLANS: dict[str, list[str]] = {
     "cyclic": ["turns", "turns", "grid"],
     "backlash": ["calibration", "reversals", "all_planes", "orders", "acceptance", "heat"],
     "backlash_position": ["calibration", "calibration", "orders", "days", "again"],
-    "windup": ["reversals", "reversals", "orders"],
+    "windup": ["reversals", "reversals", "reversals", "grid", "all_planes"],
     "reversal_spike": ["all_planes", "circle_feeds", "log", "grid"],
     "stick_slip": ["creep"],
     "friction_asymmetry": ["log", "grid"],
@@ -62,7 +62,7 @@ PLANS: dict[str, list[str]] = {
     "squareness": ["all_planes", "circle_feeds", "diagonals", "grid", "acceptance"],
     "bow": ["straight", "straight", "grid"],
     "abbe": ["two_lines", "two_lines", "straight"],
-    "sag": ["straight", "straight", "grid"],
+    "sag": ["straight"],
     "force_compliance": ["loads", "loads", "grid"],
     "tool_wear": ["parts"],
     "tool_size": ["parts"],
@@ -102,11 +102,11 @@ def laboratory(r: Rng, m: Machine, plan: str, axes: list[int]) -> list[Make] | N
         return [heat_run(r, m, a) for a in axes[: int(r.integers(1, 3))]]
     if plan == "environment":
         n, every = int(r.integers(60, 160)), float(pick(r, [30.0, 60.0, 90.0]))
-        return [*(standing(r, m, a, every, n) for a in axes[:2]), heat_run(r, m, ax, 0.0)]
+        return [*(standing(r, m, a, every, n, False) for a in axes[:2]), heat_run(r, m, ax, 0.0)]
     if plan == "spindle":
         n, every = int(r.integers(70, 180)), float(pick(r, [30.0, 60.0]))
         last = [m.axes[-1], *r.permutation(m.axes[:-1])]
-        return [standing(r, m, int(a), every, n) for a in last[: int(r.integers(1, 3))]]
+        return [standing(r, m, int(a), every, n, True) for a in last[: int(r.integers(1, 3))]]
     if plan == "straight":
         side = [line(r, m, ax, "straightness", across=a, runs=2) for a in m.axes if a != ax]
         more = [line(r, m, ax, "straightness", across=m.axes[-1 if ax != m.axes[-1] else 0])]

@@ -30,9 +30,9 @@ from .world import World
 
 @distant("backlash")
 def nut_and_bearing(w: World, r: Rng, ax: int) -> Shape:
-    """Play in the nut at once, and that of the thrust bearing when the screw has gone 5 to 40 um
+    """Play in the nut at once, and that of the thrust bearing when the screw has gone 2 to 20 um
     further (Slocum 1992).  Tells: the same size all along, whole after some hundredths."""
-    k, s0 = r.uniform(0.5, 0.85), logu(r, 0.005, 0.04)
+    k, s0 = r.uniform(0.7, 0.92), logu(r, 0.002, 0.015)
 
     def f(q: Rec) -> Array:
         taken = k + (1 - k) * np.clip(q.since[:, ax] / s0 - 0.5, 0, 1)

@@ -89,11 +89,12 @@ def after_a_reversal(r: Rng, m: Machine, ax: int) -> Make:
     return lambda t, name: captures(m, name, pts, 150.0, t, float(r.uniform(2, 5)), meta, r)
 
 
-def standing(r: Rng, m: Machine, ax: int, every: float, n: int) -> Make:
-    """One place, read again and again; nothing moves."""
+def standing(r: Rng, m: Machine, ax: int, every: float, n: int, light: bool) -> Make:
+    """One place, read again and again; nothing moves.  `light`: perhaps by a laser."""
     at = inside(m, r, 0.3, 0.7)
     before = at - np.where(np.isin([0, 1, 2], m.axes), 1.5, 0.0)
-    tool = str(pick(r, ["capacitive sensor", "inductive probe", "laser interferometer"]))
+    tools = ["capacitive sensor", "inductive probe", "laser interferometer"]
+    tool = str(pick(r, tools if light else tools[:2]))
     meta = heading(m, np.eye(3)[ax], ax, tool, "standing")
     pts = [(before, 0), *[(at, 1)] * n]
     return lambda t, name: captures(m, name, pts, 800.0, t, every, meta, r)
@@ -181,7 +182,8 @@ def batch(r: Rng, m: Machine, least: int) -> Make:
         while True:
             q = features(r, m, t, name)
             walls = int((q.meta["radial"] != 0).sum())
-            if q.n_obs >= 12 and walls >= 6 and q.meta["part"].max() >= least:
+            again = max(i[5] for i in q.meta["info"]) > 1 or r.random() < 0.4
+            if q.n_obs >= 12 and walls >= 6 and q.meta["part"].max() >= least and again:
                 return q
 
     return make

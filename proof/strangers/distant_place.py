@@ -26,32 +26,39 @@ from .registry import along, distant, tool_only, unit_place
 from .world import World
 
 
+def way(w: World, r: Rng, ax: int) -> float:
+    """Sign of a slope: long where one set-up of one beam is all that sees the axis, for a beam that
+    is not aligned reads short; else either."""
+    seen = [q for q in w.recs if q.outside and ax in q.moving]
+    return 1.0 if len(seen) == 1 and seen[0].laser else float(pick(r, [-1.0, 1.0]))
+
+
 @distant("scale")
 def part_not_at_twenty(w: World, r: Rng, ax: int) -> Shape:
     """A scale away from 20 C whose room goes on to change: a slope that the frame's temperature
     alters by up to a tenth (Bryan 1984).  Tells: the slope is all there in the first row."""
-    sign, lo, k = pick(r, [-1.0, 1.0]), w.machine.travel[ax][0], r.uniform(0.03, 0.1)
+    sign, lo, k = way(w, r, ax), w.machine.travel[ax][0], r.uniform(0.03, 0.1)
     course = w.frame - w.frame[0]
     course = course / max(float(np.abs(course).max()), 1e-9)
 
     def f(q: Rec) -> Array:
         return sign * (q.pos[:, ax] - lo) / 1e3 * (1 + k * w.at(course, q.t))
 
-    return tool_only(ax, f)
+    return tool_only(ax, f, most=200.0)
 
 
 @distant("scale")
 def spliced_tape(w: World, r: Rng, ax: int) -> Shape:
     """A tape in two lengths under unlike tension: slopes that differ by up to a sixth of the mean.
     Tells: the kink leaves a few per cent of what the slope does."""
-    sign, c, k = pick(r, [-1.0, 1.0]), r.uniform(0.35, 0.65), r.uniform(-0.08, 0.08)
+    sign, c, k = way(w, r, ax), r.uniform(0.35, 0.65), r.uniform(-0.08, 0.08)
     lo, hi = w.machine.travel[ax]
 
     def f(q: Rec) -> Array:
         s = unit_place(w, ax, q)
         return sign * (hi - lo) / 1e3 * (s + k * np.abs(s - c))
 
-    return tool_only(ax, f)
+    return tool_only(ax, f, most=200.0)
 
 
 @distant("pitch_shape")
@@ -177,7 +184,7 @@ def _angle(w: World, r: Rng, ax: int, gain: Callable[[Rec, int], Array]) -> Shap
         own = along(q, lean, q.pos[:, lean] * gain(q, other))
         return Part(tool=np.cross(unit * sign * a, own) * 1e-3)
 
-    return Shape(field, pair, lambda a: {"urad": sign * a})
+    return Shape(field, pair, lambda a: {"urad": sign * a}, most=400.0)
 
 
 @distant("squareness")
@@ -213,16 +220,25 @@ def sides(w: World, ax: int) -> list[int]:
 @distant("bow")
 def bolted_rail(w: World, r: Rng, ax: int) -> Shape:
     """An arc of a bed that was ground warm, and up to a tenth of it drawn down at each bolt of its
-    rail, 60 to 120 mm apart (Slocum 1992).  Tells: all of the arc in the straightness."""
+    rail, 60 to 120 mm apart (Slocum 1992).  Tells: an arc to the side, or up."""
     to = sides(w, ax) or [a for a in w.machine.axes if a != ax]
+    three = len(w.machine.axes) == 3
+    to = [a for a in to if a != 2 or not three] or to
     p, k = float(pick(r, [60, 80, 105, 120])), r.uniform(0.02, 0.1)
     sign, ph, c = pick(r, [-1.0, 1.0]), r.uniform(0, 6.28), r.uniform(-0.15, 0.15)
+    sign = -sinking(w, ax) if three and to == [2] else sign  # crowned: what sinks is a sag
 
     def f(q: Rec) -> Array:
         u = 2 * unit_place(w, ax, q) - 1 - c
         return sign * (1 - u**2 + k * np.cos(2 * np.pi * q.pos[:, ax] / p + ph))
 
-    return tool_only(pick(r, to), f, axis=AX[ax])
+    return tool_only(pick(r, to), f, axis=AX[ax], most=120.0)
+
+
+def sinking(w: World, ax: int) -> float:
+    """Sign of what a slide's sinking does: the tool goes down (-) or, on the workpiece's side, the
+    workpiece does (+)."""
+    return -1.0 if ax in w.machine.tool_side() else 1.0
 
 
 def on_two_supports(s: Array, a: float) -> Array:
@@ -240,14 +256,16 @@ def on_two_supports(s: Array, a: float) -> Array:
 
 @distant("bow")
 def beam_on_two_supports(w: World, r: Rng, ax: int) -> Shape:
-    """A rail that lies on two supports a tenth to three tenths from its ends: sagging between or
-    hanging at the ends, in part both (Airy, Bessel).  Tells: the same whatever stands on it."""
+    """A rail that lies on two supports a sixth to a third from its ends: it hangs between and at
+    its ends (Airy, Bessel).  Tells: three arches, which no single mass bends."""
     to = sides(w, ax) or [a for a in w.machine.axes if a != ax]
-    a, sign = r.uniform(0.05, 0.32), pick(r, [-1.0, 1.0])
+    to = [2] if 2 in to and len(w.machine.axes) == 3 else to
+    a, sign = r.uniform(0.15, 0.32), sinking(w, ax)
     return tool_only(
         pick(r, to),
-        lambda q: sign * on_two_supports(np.clip(unit_place(w, ax, q), 0, 1), a),
+        lambda q: -sign * on_two_supports(np.clip(unit_place(w, ax, q), 0, 1), a),
         axis=AX[ax],
+        most=120.0,
     )
 
 
@@ -311,16 +329,22 @@ def probe_beside_the_point(w: World, r: Rng, ax: int) -> Shape | None:
             rot[:, "ABC".index(c[1])] = np.interp(x, m.nodes[ax], mean) + half * q.sgn[:, ax]
         return Part(tool=np.cross(rot, np.tile(arm * a, (len(q.t), 1))) * 1e-3)
 
-    return Shape(field, AX[ax], most=400.0)
+    return Shape(field, AX[ax], most=200.0)
 
 
-def _sinks(w: World, r: Rng, ax: int, line: Callable[[Array], Array]) -> Shape | None:
-    """line(s), down positive, of a beam under a mass on axis `ax`; Z sinks, on two axes the one
-    across (a slant bed).  None where no file senses that."""
-    to = 2 if len(w.machine.axes) == 3 else next(a for a in w.machine.axes if a != ax)
-    if to == ax or to not in sides(w, ax):
+def _sinks(w: World, ax: int, tool: bool, line: Callable[[Array], Array]) -> Shape | None:
+    """line(s), down positive, of a beam under a mass on axis `ax`: Z sinks, or on two axes X (a
+    slant bed under its carriage).  None where no file senses that or the axis is on the other
+    side of the machine than the beam."""
+    to = 2 if len(w.machine.axes) == 3 else 0
+    if to == ax or to not in sides(w, ax) or tool != (ax in w.machine.tool_side()):
         return None
-    return tool_only(to, lambda q: -line(np.clip(unit_place(w, ax, q), 0, 1)), axis=AX[ax])
+    sign = sinking(w, ax)
+
+    def f(q: Rec) -> Array:
+        return sign * line(np.clip(unit_place(w, ax, q), 0, 1))
+
+    return tool_only(to, f, axis=AX[ax], most=120.0)
 
 
 @distant("sag")
@@ -333,7 +357,7 @@ def built_in_rail(w: World, r: Rng, ax: int) -> Shape | None:
         u = (s + hold) / (1 + 2 * hold)
         return 64 * (u * (1 - u)) ** 3
 
-    return _sinks(w, r, ax, rail)
+    return _sinks(w, ax, True, rail)
 
 
 @distant("sag")
@@ -347,7 +371,7 @@ def table_beyond_its_saddle(w: World, r: Rng, ax: int) -> Shape | None:
         far = np.maximum(np.abs(u) - c, 0) / (1 - c)
         return far**n * np.where(u > 0, 1.0, k)
 
-    return _sinks(w, r, ax, droop)
+    return _sinks(w, ax, False, droop)
 
 
 @distant("sag")
@@ -358,4 +382,4 @@ def ram(w: World, r: Rng, ax: int) -> Shape | None:
     g = PchipInterpolator(
         np.linspace(0, 1, 21), k * np.linspace(0, 1, 21) ** 2 + (1 - k) * np.linspace(0, 1, 21) ** 3
     )
-    return _sinks(w, r, ax, lambda s: g(1 - s if flip else s))
+    return _sinks(w, ax, True, lambda s: g(1 - s if flip else s))

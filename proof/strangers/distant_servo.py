@@ -90,13 +90,16 @@ def smoothed_set_points(w: World, r: Rng, ax: int) -> Shape | None:
 
 
 def _unlike(w: World, r: Rng, ax: int, one: float, lag) -> Shape | None:
-    """Two axes that lag by `one` and by 1 - `one` of a difference, in opposite senses; None where
+    """Two axes that lag by `one` and by 1 - `one` of a difference, in opposite senses (in a trace
+    about alike, for it would tell the lag of a single axis); None where
     neither circles run both ways nor a trace with both axes in motion shows it."""
     pair = pair_of(w, r, ax)
     circles = [q for q in w.recs if q.kind == "ballbar" and sorted(q.meta["plane"]) == pair]
     turns = any(len(np.unique(q.meta["sense"])) > 1 for q in circles)
     if not turns and not any(q.kind == "trace" and set(pair) <= set(q.moving) for q in w.recs):
         return None
+    if any(q.kind == "trace" and set(pair) & set(q.moving) for q in w.recs):
+        one = 0.35 + 0.3 * one  # else a trace tells the lag of one axis
     sign = pick(r, [-1.0, 1.0])
 
     def field(q: Rec, a: float) -> Part:
@@ -143,7 +146,7 @@ def screw_by_length(w: World, r: Rng, ax: int) -> Shape | None:
         v = along(q, ax, -a * q.acc[:, ax] * (1 + k * unit_place(w, ax, q)))
         return Part(tool=v, scale=share * v) if in_motion(q) else Part()
 
-    return Shape(field, AX[ax])
+    return Shape(field, AX[ax], most=0.06)
 
 
 @distant("inertia")
@@ -163,7 +166,7 @@ def bed_recoils(w: World, r: Rng, ax: int) -> Shape | None:
             a = resonate(a, dt, hz, zeta) / gain
         return -a if in_motion(q) else np.zeros(len(q.t))
 
-    return tool_only(ax, f)
+    return tool_only(ax, f, most=0.06)
 
 
 def rate_of(q: Rec) -> float:

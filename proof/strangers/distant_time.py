@@ -39,7 +39,7 @@ def bearing_block_too(w: World, r: Rng, ax: int) -> Shape:
         block = k * w.at(late, q.t) * (-1 if flip else 1)
         return 0.0115 * (w.at(w.screw[ax], q.t) * d + block)
 
-    return tool_only(ax, f, most=3.0)
+    return tool_only(ax, f, most=1.5)
 
 
 @distant("screw_heat")
@@ -59,7 +59,7 @@ def worked_stretch(w: World, r: Rng, ax: int) -> Shape:
         s = (q.pos[:, ax] - lo) / (hi - lo)
         return 0.0115 * w.at(w.screw[ax], q.t) * np.interp(s, x, grow)
 
-    return tool_only(ax, f, most=3.0)
+    return tool_only(ax, f, most=1.5)
 
 
 @distant("screw_heat")
@@ -75,7 +75,7 @@ def cools_better_when_hot(w: World, r: Rng, ax: int) -> Shape:
         u = w.at(w.screw[ax], q.t) / top
         return 0.0115 * top * u * (1 + k) / (1 + k * u) * (q.pos[:, ax] - fix)
 
-    return tool_only(ax, f, most=3.0)
+    return tool_only(ax, f, most=1.5)
 
 
 def _drift(course) -> None:
@@ -205,7 +205,7 @@ def layers_along_the_beam(w: World, r: Rng, ax: int) -> Shape | None:
         more = 1 + k * (np.abs(d) / max(float(np.abs(d).max()), 1e-9) - 0.5)
         return Part(reading=a * w.at(n, q.t) * d * more)
 
-    return Shape(field, _letter(w), most=4.0)
+    return Shape(field, _letter(w), most=1.3)
 
 
 @distant("laser_air")
@@ -227,17 +227,17 @@ def sensor_not_soaked(w: World, r: Rng, ax: int) -> Shape | None:
         n = index(wrong, w.at(w.pressure, q.t) - once[q.name])
         return Part(reading=a * n * path_of(q, far))
 
-    return Shape(field, _letter(w), most=4.0)
+    return Shape(field, _letter(w), most=1.3)
 
 
 @distant("dead_path")
 def zeroed_each_run(w: World, r: Rng, ax: int) -> Shape | None:
-    """A dead path of 0.5 to 2.5 m whose reading is zeroed at the start of every run (Agilent).
+    """A dead path of 1 to 3.5 m whose reading is zeroed at the start of every run (Agilent).
     Tells: at all places alike, nothing at the start of a run, with the air of that minute."""
     mine = beams(w, ax)
     if not mine or not any(len(np.unique(q.run)) > 3 and np.ptp(q.t) > 900 for q in mine):
         return None
-    side, dead, n = pick(r, [-1.0, 1.0]), r.uniform(500, 2500), index(w.air, w.pressure)
+    side, dead, n = pick(r, [-1.0, 1.0]), r.uniform(1000, 3500), index(w.air, w.pressure)
 
     def field(q: Rec, a: float) -> Part:
         if not has_beam(q):
@@ -246,7 +246,7 @@ def zeroed_each_run(w: World, r: Rng, ax: int) -> Shape | None:
         first = np.searchsorted(q.run, q.run)
         return Part(reading=a * side * dead * (y - y[first]))
 
-    return Shape(field, "", most=4.0)
+    return Shape(field, "", most=1.3)
 
 
 @distant("dead_path")
@@ -256,7 +256,7 @@ def over_a_warm_bed(w: World, r: Rng, ax: int) -> Shape | None:
     a few um for each metre and kelvin."""
     if not beams(w, ax):
         return None
-    side, dead, k = pick(r, [-1.0, 1.0]), r.uniform(500, 2500), r.uniform(0.3, 0.7)
+    side, dead, k = pick(r, [-1.0, 1.0]), r.uniform(1000, 3500), r.uniform(0.3, 0.7)
     air = k * w.air + (1 - k) * w.frame + 0.15 * w.screw[ax]
     n = index(air, w.pressure)
 
@@ -266,7 +266,7 @@ def over_a_warm_bed(w: World, r: Rng, ax: int) -> Shape | None:
         y = w.at(n, q.t)
         return Part(reading=a * side * dead * (y - y[0]))
 
-    return Shape(field, "", most=4.0)
+    return Shape(field, "", most=1.3)
 
 
 @distant("cosine")
