@@ -45,7 +45,7 @@ PLANS: dict[str, list[str]] = {
     "cyclic": ["turns", "turns", "grid"],
     "backlash": ["calibration", "reversals", "all_planes", "orders", "acceptance", "heat"],
     "backlash_position": ["calibration", "calibration", "orders", "days", "again"],
-    "windup": ["reversals", "reversals", "reversals", "grid", "all_planes"],
+    "windup": ["reversals", "reversals", "grid"],
     "reversal_spike": ["all_planes", "circle_feeds", "log", "grid"],
     "stick_slip": ["creep"],
     "friction_asymmetry": ["log", "grid"],
@@ -67,7 +67,7 @@ PLANS: dict[str, list[str]] = {
     "tool_wear": ["parts"],
     "tool_size": ["parts"],
     "step_loss": ["calibration", "orders", "log", "grid"],
-    "laser_air": ["heat", "heat", "calibration"],
+    "laser_air": ["heat", "heat", "days"],
     "dead_path": ["heat", "environment"],
     "cosine": ["again", "again", "calibration"],
     "delay": ["log", "grid", "grid"],
@@ -152,6 +152,8 @@ def campaign(r: Rng, m: Machine, plan: str, suspect: str, amps: bool, t: float) 
     axes = [int(a) for a in r.permutation(m.axes)]
     if suspect in ("laser_air", "screw_heat", "cosine"):  # what goes with length needs some
         axes.sort(key=lambda a: -float(np.ptp(m.travel[a])))
+    if suspect == "sag":  # a mass that goes along a beam, not up and down
+        axes.sort(key=lambda a: (a == 2) == (len(m.axes) == 3))
     recs: list[Rec] = []
     for i, make in enumerate(laboratory(r, m, plan, axes) or dynamics(r, m, plan, axes, amps)):
         recs.append(make(t, f"r{i + 1}"))

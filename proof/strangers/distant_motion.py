@@ -130,6 +130,18 @@ def seen_fast(w: World) -> float:
     return min(dt, default=0.0)
 
 
+def resolved(w: World, ax: int) -> float:
+    """Way (mm) behind a reversal within which some file in motion takes two samples."""
+    ways = []
+    for q in w.recs:
+        if q.kind == "trace" and ax in q.moving:
+            return 0.0
+        if q.kind == "ballbar" and ax in q.meta["plane"]:
+            step = 2 * np.pi * len(np.unique(q.run)) / len(q.t)
+            ways.append(q.meta["radius"] * (1 - np.cos(2 * step)))
+    return float(min(ways, default=0.0))
+
+
 @distant("reversal_spike")
 def integral_takes_over(w: World, r: Rng, ax: int) -> Shape | None:
     """The slide hangs until the speed loop's integral has built up and lags no more after three to
@@ -156,7 +168,7 @@ def builds_and_breaks(w: World, r: Rng, ax: int) -> Shape | None:
     slope and a cliff by the way from the reversal."""
     if not seen_fast(w):
         return None
-    s1 = logu(r, 0.02, 0.4)
+    s1 = max(logu(r, 0.02, 0.4), resolved(w, ax))
     s2 = s1 * r.uniform(0.2, 0.6)
 
     def f(q: Rec) -> Array:
@@ -175,6 +187,7 @@ def one_side_more(w: World, r: Rng, ax: int) -> Shape | None:
     if not seen_fast(w):
         return None
     s0, k, up = logu(r, 0.03, 0.8), r.uniform(0.1, 0.5), pick(r, [-1.0, 1.0])
+    s0 = max(s0, resolved(w, ax))
 
     def f(q: Rec) -> Array:
         if q.kind not in ("trace", "ballbar"):

@@ -119,7 +119,7 @@ def seat_of_the_bearing(w: World, r: Rng, ax: int) -> Shape:
         th = 2 * np.pi * q.pos[:, ax] / p + ph
         return np.sin(th + skew * np.sin(th))
 
-    return tool_only(ax, f, params=lambda a: {"period_mm": p, "amplitude_um": a})
+    return tool_only(ax, f, params=lambda a: {"period_mm": p})
 
 
 @distant("cyclic")

@@ -218,6 +218,8 @@ def sensor_not_soaked(w: World, r: Rng, ax: int) -> Shape | None:
         return None
     far, tau, off = r.random() < 0.5, r.uniform(600, 2400), pick(r, [-1, 1]) * r.uniform(3, 10)
     start = min(float(q.t[0]) for q in mine)
+    if not any(q.t[0] < start + 60 and q.t[-1] > start + 1.2 * tau for q in mine):
+        return None  # that it fades is not seen
     once = {q.name: float(w.at(w.pressure, q.t[:1])[0]) for q in w.recs if has_beam(q)}
 
     def field(q: Rec, a: float) -> Part:
