@@ -267,16 +267,17 @@ def lorry_drives_past(w: World, r: Rng, ax: int) -> Shape | None:
     """A floor that tips as something heavy drives past, one way and back the other, five to twelve
     times in the test, at odd moments: a derivative of a bell.  `structure_drift` is slow,
     `vibration` goes on."""
-    files = [q for q in w.recs if q.outside and q.n_obs > 60 and q.kind in ("targets", "trace")]
+    files = [q for q in w.recs if q.kind == "targets" and q.n_obs > 60 and np.ptp(q.t) > 900]
     if not files:
         return None
     q0, d = pick(r, files), sensed(w, r)
     span = float(np.ptp(q0.t))
     at = q0.t[0] + span * np.sort(r.uniform(0.02, 0.98, int(r.integers(5, 13))))
-    wide, size = span * r.uniform(0.006, 0.02), r.uniform(0.5, 1.0, len(at))
+    wide = max(2.5 * float(np.median(np.diff(q0.t))), r.uniform(6, 25))
+    size = r.uniform(0.5, 1.0, len(at))
 
     def f(q: Rec) -> Array:
-        if q.kind not in ("targets", "trace"):
+        if q.kind != "targets":
             return np.zeros(len(q.t))
         u = (q.t[:, None] - at) / wide
         return (-u * np.exp(0.5 - u**2 / 2)) @ size

@@ -40,10 +40,27 @@ from .distant_paths import (
 from .machines import Machine, draw_machine
 
 PLANS: dict[str, list[str]] = {
-    "scale": ["calibration", "calibration", "orders", "diagonals", "days", "again", "parts"],
-    "pitch_shape": ["calibration", "calibration", "orders", "days", "again"],
+    "scale": [
+        "calibration",
+        "calibration",
+        "orders",
+        "diagonals",
+        "days",
+        "again",
+        "parts",
+        "two_lines",
+    ],
+    "pitch_shape": ["calibration", "calibration", "orders", "days", "again", "two_lines"],
     "cyclic": ["turns", "turns", "grid"],
-    "backlash": ["calibration", "reversals", "all_planes", "orders", "acceptance", "heat"],
+    "backlash": [
+        "calibration",
+        "reversals",
+        "all_planes",
+        "orders",
+        "acceptance",
+        "heat",
+        "two_lines",
+    ],
     "backlash_position": ["calibration", "calibration", "orders", "days", "again"],
     "windup": ["reversals", "reversals", "grid"],
     "reversal_spike": ["all_planes", "circle_feeds", "log", "grid"],
@@ -67,7 +84,7 @@ PLANS: dict[str, list[str]] = {
     "tool_wear": ["parts"],
     "tool_size": ["parts"],
     "step_loss": ["calibration", "orders", "log", "grid"],
-    "laser_air": ["heat", "heat", "days"],
+    "laser_air": ["heat"],
     "dead_path": ["heat", "environment"],
     "cosine": ["again", "again", "calibration"],
     "delay": ["log", "grid", "grid"],
@@ -152,6 +169,8 @@ def campaign(r: Rng, m: Machine, plan: str, suspect: str, amps: bool, t: float) 
     axes = [int(a) for a in r.permutation(m.axes)]
     if suspect in ("laser_air", "screw_heat", "cosine"):  # what goes with length needs some
         axes.sort(key=lambda a: -float(np.ptp(m.travel[a])))
+    if suspect == "abbe":  # the axis at the tool has no arm that another one changes
+        axes.sort(key=lambda a: a == m.order()[-1])
     if suspect == "sag":  # a mass that goes along a beam, not up and down
         axes.sort(key=lambda a: (a == 2) == (len(m.axes) == 3))
     recs: list[Rec] = []

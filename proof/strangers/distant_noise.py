@@ -12,8 +12,8 @@ Slow: distant-8 a stand that follows the hall smoothly, once differentiable (Mat
 and Williams 2006, eq. 4.17), distant-9 the hall's controller whose phase wanders: damped waves
 (harmonic Ornstein-Uhlenbeck), distant-10 a magnetic foot that settles in many small jerks (compound
 Poisson), distant-11 creep of a clamp as the logarithm of time (Flugge 1975), distant-12 wander
-between one over f and a walk (Milotti 1995), distant-13 each run with a slope of its own, as a
-laser's frame takes the operator's warmth (Estler 1985).
+between one over f and a walk (Milotti 1995), distant-13 each run zeroed at its start and with a
+slope of its own, as a laser's frame takes the operator's warmth (Estler 1985).
 distant-0: samples that were lost on the way, some tens in a row from a sampled file, single ones
 from a test at rest.
 
@@ -214,18 +214,15 @@ def steeper_than_flicker(r: Rng, noise: Noise, s: float, rec: Rec, world: World,
 
 @slow(13)
 def slope_of_each_run(r: Rng, noise: Noise, s: float, rec: Rec, world: World, c: int) -> None:
-    """A line of time in each run with a normal slope, nothing in its middle, s um at its ends; in
-    a single run two halves."""
-    t, span = times(rec)
+    """A line of time in each run with a normal slope, nothing at its start, s um at its end."""
+    t, _ = times(rec)
     runs = rec.run[::2] if rec.kind == "features" else rec.run
-    if len(np.unique(runs)) == 1:
-        runs = (t > span / 2).astype(int)
     for k in np.unique(runs):
         on = runs == k
         if on.sum() > 1:
-            u = t[on] - (t[on][0] + t[on][-1]) / 2
+            u = t[on] - t[on][0]
             col = np.zeros(len(t))
-            col[on] = s * u / max(float(np.abs(u).max()), 1e-9)
+            col[on] = s * u / max(float(u[-1]), 1e-9)
             noise.values += col * r.normal()
             noise.columns.append(col)
     noise.spec.append({"kind": "distant-13", "um": round(s, 4)})

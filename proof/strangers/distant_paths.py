@@ -55,7 +55,8 @@ def line(r: Rng, m: Machine, ax: int, quantity: str = "displacement", **force: o
 def parallel_lines(r: Rng, m: Machine, ax: int) -> list[Make]:
     """The same targets along an axis with another one near either end of its travel, and the angle
     that makes these two differ."""
-    to = int(pick(r, [a for a in m.axes if a != ax]))
+    later = m.order()[m.order().index(ax) + 1 :]  # these change its arm
+    to = int(pick(r, later or [a for a in m.axes if a != ax]))
     (lo, hi), at, out = room_of(m, to), inside(m, r, 0.3, 0.7), []
     p, runs = scattered(r, m, ax, int(r.integers(9, 18))), int(r.integers(2, 4))
     for share in (0.05, 0.95):

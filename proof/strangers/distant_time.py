@@ -233,19 +233,20 @@ def sensor_not_soaked(w: World, r: Rng, ax: int) -> Shape | None:
 
 
 @distant("dead_path")
-def zeroed_each_run(w: World, r: Rng, ax: int) -> Shape | None:
-    """A dead path of 1 to 3.5 m whose reading is zeroed at the start of every run (Agilent).
-    Tells: at all places alike, nothing at the start of a run, with the air of that minute."""
+def zeroed_now_and_then(w: World, r: Rng, ax: int) -> Shape | None:
+    """A dead path of 1 to 3.5 m whose reading is zeroed anew every four to eight runs (Agilent).
+    Tells: at all places alike, nothing after a zero, with the air of that minute."""
     mine = beams(w, ax)
     if not mine or not any(len(np.unique(q.run)) > 3 and np.ptp(q.t) > 900 for q in mine):
         return None
     side, dead, n = pick(r, [-1.0, 1.0]), r.uniform(1000, 3500), index(w.air, w.pressure)
+    every = int(r.integers(4, 9))
 
     def field(q: Rec, a: float) -> Part:
         if not has_beam(q):
             return Part()
         y = w.at(n, q.t)
-        first = np.searchsorted(q.run, q.run)
+        first = np.searchsorted(q.run, q.run - (q.run - 1) % every)
         return Part(reading=a * side * dead * (y - y[first]))
 
     return Shape(field, "", most=1.3)
