@@ -1,8 +1,7 @@
-"""The cases of the textbooks: contracts, bytes, signs by hand, and what a trial makes of them."""
+"""The cases of the textbooks: contracts, bytes and signs by hand."""
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import json
 import os
@@ -19,37 +18,19 @@ from postproc.recordings import ReadingOptions, Source
 from postproc.recordings.contract import read
 from postproc.units import UM
 from proof.textbook import TIERS, make
-from proof.textbook.__main__ import main
 from proof.textbook.base import Redraw, relaxed
 from proof.textbook.files import machine_files
 from proof.textbook.machines import Machine
 from proof.textbook.recordings import Recording
 from proof.textbook.registry import ALIENS, FORMS
 from proof.textbook.tiers import LEAST, LEAST_ALIEN, SIZES, build, hide
-from proof.textbook.trial import judgeable, write
+from proof.textbook.trial import judgeable
 from proof.textbook.visible import visibility
+from proof.worlds import write
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCES = sorted((ROOT / "proof" / "textbook").glob("*.py"))
-SCORE = {"score", "score_table", "strangers_trial", "trial_run", "trial_seal"}
 
 made = lru_cache(None)(make)  # the cases of one seed, which several tests ask for
-
-
-@pytest.mark.parametrize("path", SOURCES, ids=lambda p: p.name)
-def test_it_shares_no_code_with_the_other_generators(path):
-    """Only the trial knows of others, and of these only what turns answers into the score."""
-    from_proof = set()
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.Import):
-            from_proof |= {a.name for a in node.names if a.name.split(".")[0] == "proof"}
-        if isinstance(node, ast.ImportFrom):
-            assert node.level <= 1, "of its own package, or in full"
-            if node.module == "proof":
-                from_proof |= {a.name for a in node.names}
-            elif (node.module or "").startswith("proof."):
-                from_proof.add(node.module.split(".")[1])
-    assert from_proof <= (SCORE if path.name in ("trial.py", "__main__.py") else set())
 
 
 def test_every_effect_of_the_contract_has_forms():
@@ -62,7 +43,7 @@ def test_every_effect_of_the_contract_has_forms():
 def test_a_case_is_what_the_contracts_want(tier, tmp_path):
     for number in range(6):
         case = made(1, tier, number)
-        write(case, tmp_path)
+        write(case.name, case.files, tmp_path)
         folder = tmp_path / case.name
         machine = read_machine(folder / "machine")
         paths = sorted(folder.glob("r*.csv"))
@@ -259,21 +240,3 @@ def test_faults_of_the_data_are_no_effects_to_be_named():
     hidden, details = judgeable({"tier": "alien", "truth": [], "alien": unnamed, **rest})
     assert [(t["effect"], t["peak_um"]) for t in hidden] == [("alien", 4.0)]
     assert details["tier"] == "alien"
-
-
-def test_a_trial_leaves_answers_truth_and_score(tmp_path, capsys):
-    words = ["--seed", "1", "--counts", "null=1,single=1", "-o", str(tmp_path), "--jobs", "1"]
-    assert main(words) == 0
-    table = capsys.readouterr().out
-    assert "| nulls with any name | 1 |" in table and table.startswith("| what | n | value |")
-    assert (tmp_path / "TABLE.md").read_text().strip() == table.strip()
-    truth = json.loads((tmp_path / "truth.json").read_text())
-    assert list(truth) == ["null_000", "single_000"] and len(truth["single_000"]) == 1
-    for name in truth:
-        assert (tmp_path / "answers" / name / "answer.json").is_file()
-        assert (tmp_path / "cases" / name / "machine" / "machine.toml").is_file()
-    assert len(json.loads((tmp_path / "score.json").read_text())["now"]) == 2
-    assert main(words) == 2 and "name another folder" in capsys.readouterr().err
-    other = [*words[:4], "-o", str(tmp_path / "other"), "--beside", "no-such-commit"]
-    assert main(other) == 2 and "no-such-commit" in capsys.readouterr().err
-    assert not (tmp_path / "other").exists()
