@@ -13,13 +13,14 @@ import sys
 from itertools import islice
 from pathlib import Path
 from types import SimpleNamespace
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
 from test_arc_words import ZERO, random_arcs
 
 from postproc.compensate import Options, fit, stretches
-from postproc.compensate.arcs import direction, height, points
+from postproc.compensate.arcs import direction, height, points, quadrants
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
@@ -36,6 +37,19 @@ def test_directions_and_heights_are_those_of_the_cosine():
     assert np.abs(direction(angle) - [np.cos(angle), np.sin(angle)]).max() < 4e-16
     sweep = np.array([1e-9, 1e-3, 1.0, np.pi, 2 * np.pi])
     assert height(sweep) == pytest.approx(2 * np.sin(sweep / 4) ** 2, rel=1e-15)
+
+
+@pytest.mark.parametrize("sweep", [-6.2, -1.0, 0.3, 4.1])
+def test_quadrants_come_in_the_order_of_the_way(sweep):
+    """All that lie on the arc, of either sense, between two others."""
+    one = MagicMock(angle=np.array([0.1, -2.0, 3.0]), sweep=np.array([9.0, sweep, -9.0]))
+    one.__len__ = lambda self: 3
+    arc, t = quadrants(one)
+    for k in range(3):
+        turned = np.sin(2 * (one.angle[k] + one.sweep[k] * np.linspace(0.0, 1.0, 100_001)))
+        passed = np.flatnonzero(turned[1:] * turned[:-1] <= 0) / 100_000
+        assert t[arc == k] == pytest.approx(passed, abs=2e-5)
+    assert (np.diff(arc) >= 0).all()
 
 
 def drawn(f, rows, k, t):

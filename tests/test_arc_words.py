@@ -251,10 +251,11 @@ def test_no_piece_of_a_line_is_too_short_to_tell_anything(tmp_path):
     assert min(shortest) > spare - 0.02
 
 
-def test_an_arc_that_leaves_the_travel_is_refused_before_it_is_cut(growth):
-    """Both ends lie inside; on the way X would go to 950 mm."""
-    with pytest.raises(ProgramError, match="the arc leads to X = 9.*beyond the travel of X"):
-        corrected(growth, "G21 G90 G17\nG0 X450 Y500\nG2 X450 Y-500 I0 J-500 F100\n")
+@pytest.mark.parametrize(("code", "x", "place"), [("G2", 450, "9"), ("G3", -450, "-9")])
+def test_an_arc_that_leaves_the_travel_is_refused_before_it_is_cut(growth, code, x, place):
+    """Both ends lie inside; on the way X would go to 950 or -950 mm."""
+    with pytest.raises(ProgramError, match=f"the arc leads to X = {place}.*beyond the travel of X"):
+        corrected(growth, f"G21 G90 G17\nG0 X{x} Y500\n{code} X{x} Y-500 I0 J-500 F100\n")
 
 
 def test_a_new_zero_in_a_line_that_comes_alone_is_as_in_a_whole_program(shift):

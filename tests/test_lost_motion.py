@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from postproc.compensate import Options, sides, turning
-from postproc.compensate.approach import FAR, Sides, bear, initial, scan
+from postproc.compensate.approach import FAR, FEW, Sides, bear, initial, resting, scan
 from postproc.compensate.turning import _pivots
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
@@ -93,6 +93,26 @@ def test_the_scan_is_the_operator_and_may_be_cut_anywhere(place, half, cut):
         two = run(place[cut:], carry)
         assert np.array_equal(np.concatenate([one[0], two[0]], axis=1), side)
         assert np.array_equal(np.concatenate([one[1], two[1]], axis=1), middle)
+
+
+@pytest.mark.parametrize("number", [FEW, 400])
+@pytest.mark.parametrize("hold", [3, 40])
+def test_an_axis_rests_where_it_was_left_as_one_place_after_the_other_says(number, hold):
+    """Many strokes are settled without a look at the ones before, a few one by one; an own place
+    may lie beyond what is held."""
+    rng = np.random.default_rng(number + hold)
+    own = rng.integers(-20, 20, number).cumsum()
+    low = own - rng.integers(-2, hold, number)
+    high = low + rng.integers(0, 2 * hold, number)
+    start, goes_on = own + rng.integers(-9, 9, number), rng.random(number) < 0.9
+    goes_on[0] = False
+    here, found = 0, []
+    for k in range(number):
+        here = here if goes_on[k] else start[k]
+        here = here if low[k] <= here <= high[k] else own[k]
+        found.append(here)
+    assert resting(goes_on, start, own, low.astype(float), high.astype(float)).tolist() == found
+    assert number > sum(own == found) > 0
 
 
 @given(

@@ -27,6 +27,7 @@ import numpy as np
 from postproc.flags import all_of, any_of
 from postproc.records import columns
 
+FEW = 32  # strokes that are looked at one by one
 MODES = ("mean", "step", "ramp", "off")
 FAR = np.int64(2**62)  # ticks: a clamp that far apart holds nothing
 
@@ -152,15 +153,22 @@ def ramp(
     return ramp
 
 
-def resting(*columns: np.ndarray) -> np.ndarray:
+def resting(
+    goes_on: np.ndarray, start: np.ndarray, own: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> np.ndarray:
     """(K,) ticks at which strokes end along which an axis rests: where the one before left it, or
     at `start` if it does not go on from there, as long as that lies from `low` to `high`, else at
-    its `own` place. columns: goes_on, start, own, low, high (K,) each."""
-    value, here = [], 0
-    for goes_on, start, own, low, high in zip(*(c.tolist() for c in columns), strict=True):
-        if not goes_on:
-            here = start
-        if not low <= here <= high:
-            here = own
-        value.append(here)
-    return np.array(value, np.int64)
+    its `own` place; (K,) each."""
+    asked = np.arange(len(own))
+    if len(own) > FEW:
+        # Each ends from its low to its high, or at its own: most next ones lie beyond all of that.
+        least, most = np.minimum(low, own), np.maximum(high, own)
+        far = (most[:-1] < low[1:]) | (least[:-1] > high[1:])
+        asked = np.append(0, (~(far & goes_on[1:])).nonzero()[0] + 1)
+    ends = own.tolist()
+    columns = (column.take(asked).tolist() for column in (goes_on, start, low, high))
+    for k, on, begin, lowest, highest in zip(asked.tolist(), *columns, strict=True):
+        here = ends[k - 1] if on else begin
+        if lowest <= here <= highest:
+            ends[k] = here
+    return np.array(ends, np.int64)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.compensate.nodes import spread
 from postproc.motions import Arcs
 
 SHALLOWEST = 1e-6  # mm
@@ -67,17 +68,18 @@ def _along(begin: np.ndarray, end: np.ndarray, arc: np.ndarray, t: np.ndarray) -
 
 
 def quadrants(arcs: Arcs) -> tuple[np.ndarray, np.ndarray]:
-    """(K,) arc and (K,) t of the places where a plane axis turns back."""
+    """(K,) arc and (K,) t of the places where a plane axis turns back, in the order of the way."""
     quarter = np.pi / 2
     low = np.minimum(arcs.angle, arcs.angle + arcs.sweep) + 1e-9
     high = np.maximum(arcs.angle, arcs.angle + arcs.sweep) - 1e-9
     first = np.ceil(low / quarter).astype(np.int64)
     count = np.maximum(np.floor(high / quarter).astype(np.int64) - first + 1, 0)
-    arc = np.repeat(np.arange(len(arcs)), count)
-    index = first[arc] + np.arange(len(arc)) - np.repeat(np.cumsum(count) - count, count)
+    arc, nth = spread(count)
+    # In the order of the way: down from the last where the arc turns clockwise.
+    down = (arcs.sweep < 0)[arc]
+    index = first[arc] + np.where(down, count[arc] - 1 - nth, nth)
     t = (index * quarter - arcs.angle[arc]) / arcs.sweep[arc]
-    order = np.lexsort((t, arc))
-    return arc[order], t[order]
+    return arc, t
 
 
 def turning_points(

@@ -240,6 +240,9 @@ def _check_arcs(b: Batch) -> None:
         if letter not in b.machine.tables:
             continue
         low, high = b.machine.axes[letter].travel
+        place = b.extremes[1][row]
+        if not any_of((place < low - EDGE) | (place > high + EDGE)):
+            continue
         extent = _arc_extent(b, row, low)
         for i in ((extent[0] < low - EDGE) | (extent[1] > high + EDGE)).nonzero()[0][:1]:
             worst = extent[0, i] if extent[0, i] < low - EDGE else extent[1, i]
