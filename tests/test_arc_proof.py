@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from test_arc_words import ZERO, random_arcs
 
-from postproc.compensate import Options, fit, stretches
+from postproc.compensate import Options, fit, prove, samples, stretches
 from postproc.compensate.arcs import direction, height, points, quadrants
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
@@ -90,9 +90,9 @@ def judged(f, rows, most):
     return worst
 
 
-@pytest.mark.parametrize("two_way", [False, True])
-@pytest.mark.parametrize("seed", range(3))
-def test_nothing_hides_between_samples(tmp_path, monkeypatch, two_way, seed):
+@pytest.fixture
+def settled(monkeypatch):
+    """What is fitted from now on: each fitter with its pieces."""
     found, settle = [], fit.settle
 
     def seen(f, rows):
@@ -101,15 +101,49 @@ def test_nothing_hides_between_samples(tmp_path, monkeypatch, two_way, seed):
         return result
 
     monkeypatch.setattr(fit, "settle", seen)
-    machine = read_machine(write_mill(tmp_path / "mill", two_way))
-    options = Options(tolerance=0.001)
+    return found
+
+
+def nothing_hides(folder, text: str, settled, tolerance: float) -> None:
+    machine = read_machine(folder)
+    options = Options(tolerance=tolerance)
     filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine, ZERO), options)
-    filter_.feed(random_arcs(seed, 25).encode())
+    filter_.feed(text.encode())
     filter_.finish()
-    assert found
-    for f, rows in found:
+    assert settled
+    for f, rows in settled:
         half = f.arcs.grid.min() / TICKS_PER_MM / 2
         assert judged(f, rows, f.total + half) <= 1.0
+
+
+@pytest.mark.parametrize("two_way", [False, True])
+@pytest.mark.parametrize("seed", range(3))
+def test_nothing_hides_between_samples(tmp_path, settled, two_way, seed):
+    folder = write_mill(tmp_path / "mill", two_way)
+    nothing_hides(folder, random_arcs(seed, 25), settled, 0.001)
+
+
+@pytest.mark.parametrize("two_way", [False, True])
+def test_nothing_hides_between_few_samples(tmp_path, monkeypatch, settled, two_way):
+    """Where six times as much may be left to the bound: the tops between samples count."""
+    sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
+    import files
+    import machine as mill
+
+    monkeypatch.setattr(stretches, "SHARE", 0.4)
+    mill.write_machine(tmp_path / "mill", two_way)
+    nothing_hides(tmp_path / "mill", "\n".join(islice(files.write_c(1000), 124)), settled, 0.0005)
+
+
+def test_an_axis_beside_the_plane_is_as_far_off_as_the_top_between_samples():
+    """By hand: a parabola through 0 1 1 0 rises by an eighth of its second difference, 1, more."""
+    value = np.array([0.0, 1.0, 1.0, 0.0])
+    bent = samples.bent(value, np.array([0.0, 0.5, 0.5, 0.0]))
+    assert bent.tolist() == [0.5, 0.5, 0.5, 0.0]
+    s = SimpleNamespace(beside=(2,), across=value[None], turn=bent[None])
+    proof = SimpleNamespace(s=s, _bow=lambda axis, command: command)
+    (bow,) = prove.Proof._bows.func(proof)
+    assert bow.tolist() == [0.0, 1.125, 1.125, 0.0]
 
 
 def test_a_run_is_proven_the_same_alone_and_among_others(tmp_path, monkeypatch):
@@ -182,6 +216,54 @@ def test_nodes_lie_where_the_command_passes_them(role, sweep):
     course = command(np.linspace(t0, t1, 1000))
     passed = np.diff(course[:, None] > node, axis=0).sum(axis=0)
     assert np.bincount(found[0], minlength=n).tolist() == passed.tolist() and passed.sum() > 9
+
+
+def between(value, h):
+    """What is said of values (K, 3) at samples -h, 0, h: how far they can lie from zero there."""
+    turn = samples.bent(value, np.array([0.0, samples.BENT, 0.0]))
+    return (np.abs(value) + samples.beyond(value, turn)).max(axis=1)
+
+
+@pytest.mark.parametrize("h", [0.02, 0.2, stretches.WIDEST])
+def test_a_wave_of_one_per_turn_needs_no_rest(h):
+    """Wherever its top lies, and however large the shift of the centre that makes it; a parabola's
+    share of the second difference would not do."""
+    top, level = np.linspace(-h, h, 801)[:, None], np.linspace(-2.0, 2.0, 9)[:, None, None]
+    wave = level + np.cos(np.array([-h, 0.0, h]) - top)
+    dense = level + np.cos(np.linspace(-h, h, 2001) - top)
+    said = between(wave.reshape(-1, 3), h).reshape(9, -1)
+    assert (np.abs(dense).max(axis=2) <= said * (1 + 1e-12)).all()
+    assert said[-1].max() < 3.0 + 0.03 * h**2
+
+
+@pytest.mark.parametrize("h", [0.1, 0.3, stretches.WIDEST])
+def test_a_stretched_circle_leaves_what_is_said_between_samples(h):
+    """The image of a circle of 10 mm where X is 100 um/m too long and Y as much too short: what
+    waves of one per turn through three samples do not tell."""
+    steep, radius, one = 2e-4, 10.0, np.zeros(1, int)
+    bounds = SimpleNamespace(even=steep, cells={}, twist=np.zeros((2, 2)))
+    f = SimpleNamespace(
+        machine=SimpleNamespace(bounds=bounds, letters=("X", "Y")),
+        arcs=SimpleNamespace(
+            **dict.fromkeys(("radius", "radius_end"), np.array([radius])),
+            angle=one, sweep=one + 1, first=one, second=one + 1, centre=np.zeros((2, 1)),
+        ),
+    )  # fmt: skip
+    rows = SimpleNamespace(arc=one, t0=one, t1=one + 1)
+    third = stretches._steepness(f, rows, one, one / 2, np.zeros((2, 2, 1)))[1][0]
+    rest = stretches.REMAINDER * third * h**3
+    missing = []
+
+    def waves(angle):
+        return np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)], axis=-1)
+
+    for middle in np.arange(0.0, 6.3, 0.1):
+        three, dense = middle + np.array([-h, 0.0, h]), middle + np.linspace(-h, h, 401)
+        x, y = radius * (1 + steep / 2) * np.cos(dense), radius * (1 - steep / 2) * np.sin(dense)
+        off = np.hypot(x, y) - radius
+        part = np.linalg.solve(waves(three), off[[0, 200, 400]])
+        missing.append(np.abs(off - waves(dense) @ part).max())
+    assert 0.93 * rest < max(missing) <= rest
 
 
 @pytest.mark.parametrize("third", [1e-9, 0.1, 40.0])

@@ -21,7 +21,7 @@ import numpy as np
 
 from postproc.compensate.arc_rows import Fitter, Rows
 from postproc.compensate.arcs import direction, height
-from postproc.compensate.samples import Samples, bend
+from postproc.compensate.samples import Samples, bent, beyond
 from postproc.motions import centre_by_radius
 from postproc.records import replace
 from postproc.units import TICKS_PER_MM
@@ -106,6 +106,7 @@ class Proof:
         at[behind - 1] = np.minimum(self.high + 1, samples.last)
         taken = samples.at(at)
         taken.smooth[begin] = taken.smooth[behind - 1] = 0.0  # these lie beside another run
+        taken.turn[:, self.edges - 1] = 0.0  # from the last of each run and from beside it
         return taken
 
     def _each(self, value: np.ndarray) -> np.ndarray:
@@ -353,9 +354,9 @@ class Proof:
         off -= radius
         if some:
             off = np.where(self._each(helix), ahead, off)
-        between = bend(off, s.smooth)
-        np.abs(off, out=off)
-        off += between
+        turn = bent(off, s.smooth)
+        turn[self.edges - 1] = 0.0
+        off = np.abs(off) + beyond(off, turn)
         good = np.ones(len(self.rows), bool)
         if np.ndim(most) or most < np.inf:
             good &= self._largest(off) <= most
@@ -375,11 +376,9 @@ class Proof:
         """(N,) mm by which each axis beside the plane leaves its straight line at most, between
         samples too."""
         found = []
-        for axis, command, between in zip(self.s.beside, self.s.across, self.s.bow, strict=True):
+        for axis, command, turn in zip(self.s.beside, self.s.across, self.s.turn, strict=True):
             bow = self._bow(axis, command)
-            np.abs(bow, out=bow)
-            bow += between
-            found.append(bow)
+            found.append(np.abs(bow) + beyond(bow, turn))
         return found
 
     def _turned(self, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

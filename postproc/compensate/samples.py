@@ -14,9 +14,11 @@ from postproc.compensate.arc_rows import Fitter, Rows
 from postproc.compensate.arcs import direction
 from postproc.compensate.inverse import ROUNDS
 from postproc.compensate.nodes import spread
-from postproc.compensate.stretches import SHARE, Stretches, stretches
+from postproc.compensate.stretches import SHARE, WIDEST, Stretches, stretches
 from postproc.records import columns, replace
 
+BENT = 0.5 / np.cos(WIDEST)  # of a second difference: postproc.compensate.stretches
+NOTHING = 1e-30  # mm
 MOST_SAMPLES = 100_000  # worked on at once: more leave the processor's cache, and take memory
 
 
@@ -25,9 +27,9 @@ class Samples:
     """N samples of R rows, all in one plane of the axes `first` and `second`, row behind row. t
     (N,): on the arc; unit (2, N): outwards from the nominal centre; place (2, N): mm from that
     centre, the exact command in the plane; radial (N,): mm, how far outside the nominal path it
-    lies; across (C, N) mm: the command of the other corrected axes `beside` (C,), and bow (C, N)
-    mm how far it can lie beyond two samples between them; command (A, N) mm: in all axes; smooth
-    (N,): 0.125 at samples whose neighbours on both sides lie as far away and on the same smooth
+    lies; across (C, N) mm: the command of the other corrected axes `beside` (C,), and turn (C, N)
+    mm how it bends from each sample to the next (`bent`); command (A, N) mm: in all axes; smooth
+    (N,): BENT at samples whose neighbours on both sides lie as far away and on the same smooth
     stretch, else 0. begin, last (R,): the first and the last sample of each row; rest (R,): mm
     that can hide beyond what second differences tell."""
 
@@ -40,7 +42,7 @@ class Samples:
     place: np.ndarray
     radial: np.ndarray
     across: np.ndarray
-    bow: np.ndarray
+    turn: np.ndarray
     smooth: np.ndarray
     begin: np.ndarray
     last: np.ndarray
@@ -65,21 +67,36 @@ class Samples:
         return low
 
 
-EACH = ("t", "place", "across", "bow", "smooth")  # what a proof looks at in each
+EACH = ("t", "place", "across", "turn", "smooth")  # what a proof looks at in each
 
 
-def bend(value: np.ndarray, smooth: np.ndarray) -> np.ndarray:
-    """(..., N) how far values can lie beyond the larger of two neighbours between these."""
-    bow = np.zeros_like(value)
-    inner = bow[..., 1:-1]
-    np.add(value[..., :-2], value[..., 2:], out=inner)
-    inner -= value[..., 1:-1]
-    inner -= value[..., 1:-1]
+def bent(value: np.ndarray, smooth: np.ndarray) -> np.ndarray:
+    """(..., N) how much values bend from each sample to the next: half the second difference at
+    either of both, the larger one, where they have one."""
+    step = value[..., 1:] - value[..., :-1]
+    turn = np.zeros_like(value)
+    inner = turn[..., 1:-1]
+    np.subtract(step[..., 1:], step[..., :-1], out=inner)
     np.abs(inner, out=inner)
-    bow *= smooth
-    wide = bow.copy()
-    np.maximum(wide[..., 1:], bow[..., :-1], out=wide[..., 1:])
-    np.maximum(wide[..., :-1], bow[..., 1:], out=wide[..., :-1])
+    turn *= smooth
+    np.maximum(turn[..., :-1], turn[..., 1:], out=turn[..., :-1])
+    return turn
+
+
+def beyond(value: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """(..., N) how far values that bend by `turn` (..., N) can lie beyond the larger of a sample
+    and either neighbour between these: as far as a parabola does, whose top lies there."""
+    over = value[..., 1:] - value[..., :-1]
+    np.abs(over, out=over)
+    np.subtract(turn[..., :-1], over, out=over)
+    np.maximum(over, 0.0, out=over)
+    over *= over
+    size = turn[..., :-1] * 4.0
+    size += NOTHING
+    over /= size
+    wide = np.zeros_like(value)
+    wide[..., :-1] = over
+    np.maximum(wide[..., 1:], over, out=wide[..., 1:])
     return wide
 
 
@@ -123,7 +140,7 @@ def _samples(
     first, second = int(arcs.first[arc[0]]), int(arcs.second[arc[0]])
     t, inside = _placed(rows, which, count, way)
     plain = f.plain[arc[0]]
-    smooth = np.where(inside & plain, 0.125, 0.0)
+    smooth = np.where(inside & plain, BENT, 0.0)
     last = np.cumsum(count) - 1
     begin = last - count + 1
 
@@ -154,7 +171,7 @@ def _samples(
     beside = tuple(k for k in f.machine.corrected if k not in (first, second))
     across = exact[list(beside)]
     return Samples(
-        first, second, beside, exact, t, unit, place, radial, across, bend(across, smooth), smooth,
+        first, second, beside, exact, t, unit, place, radial, across, bent(across, smooth), smooth,
         begin, last, rest,
     )  # fmt: skip
 

@@ -3,15 +3,20 @@
 Between its nodes a table is straight, so along an arc the command bends but where an axis passes a
 node, and where it leaves what lost motion holds. Those places part the arc into smooth stretches,
 and each stretch has equal parts, two at least. What a smooth curve f does between samples h apart
-is known from them but for a third derivative:
+is known from three of them but for a third derivative: with d the step from one to the next, and D
+the second difference at either,
 
-    |f| <= larger of both ends + |second difference| / 8 + h^3 |third derivative| / (9 sqrt 3)
+    |f| <= larger of both ends + (|D| / 2 - |d|)^2 / (2 |D|) + h^3 |f''' + f'| / (9 sqrt 3)
 
-(the bow of a parabola, and the remainder of interpolation by one). In place the deviation is
-linear, with slopes S per mm of way, so the image of a circle of radius r is a conic: its radial
-part has waves of one and of two per turn with sizes up to 2 r S and r S / 2, which makes a third
-derivative of 6 r S at most; the products of an angle and an arm, `twist` x y, add a third wave.
-h follows from that, and what is left goes off the tolerance.
+where the second term, the top of the parabola, counts while |d| < |D| / 2, and the third is what
+interpolation leaves. Waves of one per turn, which a shift of the centre makes, are interpolated
+without a rest by themselves (f''' = -f'); with these in the place of parabolas the second term
+needs |D| / cos h, and the third is 1.026 times as large for h = 0.5. In place the deviation is
+linear, with slopes S per mm of way, so the image of a circle of radius r is a conic: beside waves
+of one its radial part has waves of two per turn of sizes up to r S / 2, which leaves 6 r S / 2 at
+most, as the axes beside the plane, with waves of one up to r S, leave r S; the products of an angle
+and an arm, `twist` x y, add a third wave. h follows from that, and what is left goes off the
+tolerance.
 
 Arcs for which that does not hold (inside cutter radius compensation, spirals, ramps of lost motion,
 axes that turn) are sampled so densely that an eighth of the tolerance hides at most: a piecewise
@@ -98,7 +103,7 @@ def _steepness(
     f: Fitter, rows: Rows, row: np.ndarray, t: np.ndarray, shift: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """(G,) mm/mm how steep the deviation is at most in the cell of the tables where t lies, and
-    (G,) mm per cubic radian the third derivative of the path there."""
+    (G,) mm per cubic radian |f''' + f'| of the path there, a thirtieth more than it can be."""
     arcs, arc = f.arcs, rows.arc[row]
     bounds, radius = f.machine.bounds, np.maximum(arcs.radius, arcs.radius_end)[arc]
     angle = arcs.angle[arc] + arcs.sweep[arc] * t
@@ -122,7 +127,7 @@ def _steepness(
         if moves.any():
             steep += np.where(moves, slopes.max(), 0.0)
     twist = float(bounds.twist.sum())
-    return steep, 6 * radius * steep + 13.5 * twist * radius**2 + 2 * radius * held + 1e-12
+    return steep, 3.1 * radius * steep + 13.5 * twist * radius**2 + 2 * radius * held + 1e-12
 
 
 def _ends(f: Fitter, rows: Rows) -> np.ndarray:
