@@ -11,6 +11,7 @@ from postproc.cli import main
 from postproc.errors import ProgramError
 from postproc.machine import places
 from postproc.machine.poses import Poses
+from postproc.units import TICKS_PER_MM
 from tests.reference.tool_point import CHAINS, TURN, Truth, random_truth
 from tests.test_tool_point import (
     LENGTH,
@@ -312,6 +313,41 @@ def test_cycle800_turns_axis_by_axis(chain, tmp_path):
             worst = max(worst, min(distance(word + plane.off(word), m) for m in nominal))
     assert worst < TOLERANCE + 0.0001 + machine.bounds.second_order
     assert verifier.uncorrected.deviation > 0.004
+
+
+@pytest.mark.parametrize(("sign", "ends"), [("1", (0.0, 0.5)), ("-1", (180.0, -0.5))])
+def test_the_direction_of_cycle800_is_the_sign_of_the_axis_nearest_to_the_tool(
+    sign, ends, tmp_path
+):
+    """Half a degree about X by hand: A0.5, or C turned round and A-0.5."""
+    truth = random_truth(np.random.default_rng(3), "w-C-A-b-X-Y-Z-t")
+    truth.travel |= {"A": (-120.0, 120.0), "C": (-180.0, 180.0)}
+    filter_ = a_filter(load(truth, tmp_path, "siemens"), "siemens", {"D1": {"Z": LENGTH}})
+    call = f'CYCLE800(0,"",0,57,0,0,0,0.5,0,0,0,0,0,{sign})'
+    filter_.feed(f"G90 G54 G17\nT1 D1\nG0 X0 Y0 Z80 C0 A0\n{call}\n".encode())
+    place = filter_.modal.position / TICKS_PER_MM
+    rows = [filter_.machine.letters.index(x) for x in "CA"]
+    assert np.abs(place[rows[0]]) == pytest.approx(ends[0], abs=1e-6)
+    assert place[rows[1]] == pytest.approx(ends[1], abs=1e-6)
+
+
+def test_cycle800_takes_the_other_way_where_its_direction_lies_beyond_the_travel(tmp_path):
+    """The control takes the alternative whatever _DIR is (828D operating manual, "Direction"): A
+    may tilt from -10 to 110, so that the tilt of 30 has one way."""
+    truth = random_truth(np.random.default_rng(3), "w-C-A-b-X-Y-Z-t")
+    truth.travel |= {"A": (-10.0, 110.0), "C": (-170.0, 170.0)}
+    machine = load(truth, tmp_path, "siemens")
+    outputs = []
+    for sign in ("1", "-1"):
+        call = f'CYCLE800(0,"",0,57,0,0,0,30,0,0,0,0,0,{sign})'
+        text = (
+            f"G90 G54 G17\nT1 D1\nG0 X0 Y0 Z80 C0 A0\n{call}\nG0 X0 Y0 Z30\nG1 X20 Y-15 Z-3"
+            " F500\nCYCLE800()\nM30\n"
+        )
+        output, verifier = corrected(machine, "siemens", text, {"D1": {"Z": LENGTH}})
+        assert verifier.passed, verifier.report()
+        outputs.append(output.replace(call, "CYCLE800"))
+    assert outputs[0] == outputs[1]
 
 
 @pytest.mark.parametrize(

@@ -143,6 +143,17 @@ def test_the_air_and_the_averages_of_a_laser_table():
     assert any(t.startswith("line 12: the average stands as") for t in notices)
 
 
+def test_a_laser_table_needs_no_averages():
+    text = "Comments: [Z Axis]\nTarget Position\tRUN 1 (um)\tRUN 2 (um)\n0\t1\t2\n10\t3\t4\n"
+    assert_allclose(as_table(taken("z.txt", text))[1], [[1, 3], [2, 4]])
+
+
+def test_a_laser_table_of_averages_alone_has_no_readings():
+    text = "Comments: [Z Axis]\nTarget Position\tRUN 1 (um)\tRUN 2 (um)\tAverage\n"
+    with pytest.raises(RecordingError, match="there are no readings"):
+        taken("z.txt", text + "0\t\t\t1.0\n10\t\t\t2.0\n")
+
+
 def test_a_rotary_axis_in_arcsec():
     text = samples.laser_table(TABLE, unit="arcsec").replace("Z Axis", "Theta")
     recording = taken("c.txt", text, axis="C")
