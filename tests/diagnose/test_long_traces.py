@@ -218,8 +218,9 @@ def test_names_and_sizes_do_not_depend_on_how_often_was_sampled(tmp_path):
             if e["status"] == "accepted"
         }
         assert told["recordings"][0]["rows"] > (averages.LONG if rate == 1000 else 1000)
-    play = found[1000].keys() & {"backlash:Z", "coulomb_friction:Z"}  # the same while an axis moves
-    assert {"servo_lag:X", "reversal_spike:X"} <= set(found[1000]) and len(play) == 1
+        # the same while an axis moves
+        play = found[rate].keys() & {"backlash:Z", "coulomb_friction:Z"}
+        assert {"servo_lag:X", "reversal_spike:X"} <= set(found[rate]) and len(play) == 1
     assert found[1000]["servo_lag:X"]["tau_ms"]["value"] == pytest.approx(1.5, rel=0.02)
     assert found[1000][play.pop()]["size_um"]["value"] == pytest.approx(8.0, rel=0.05)
     assert found[1000]["reversal_spike:X"]["size_um"]["value"] == pytest.approx(12.0, rel=0.15)

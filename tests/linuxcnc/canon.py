@@ -7,11 +7,13 @@ interpreter, which chatters.
 """
 
 import ctypes
+import hashlib
 import json
 import math
 import os
 import re
 import resource
+import shutil
 import subprocess
 import sys
 
@@ -30,6 +32,7 @@ PLANES = {1: ("XY", 0, 1, 2), 2: ("YZ", 1, 2, 0), 3: ("ZX", 2, 0, 1)}
 # the feed.
 START = ("G21 G53 G0 X0 Y0 Z0 A0 B0 C0", "G80 F0")
 NO_TOOL = (-1, *[0.0] * 12, 0)
+MAP = ".tool.mmap"  # of tools, in $HOME
 TOOL_WORDS = "XYZABCUVWDIJQ"  # of a tool table, in the order get_tool answers
 
 
@@ -182,23 +185,38 @@ def tool_entry(number, words):
     return (int(number), *map(float, values[:-1]), int(values[-1]))
 
 
-def attach_tool_table(home, tools, rs274):
-    """Give the interpreter a tool table. Without one it crashes on the first T, M6 or G43.
+def tool_map(maps, tools, rs274):
+    """Path of the map that `rs274 -t` makes in $HOME of a tool table, as LinuxCNC's controller
+    would have made it; of equal tables in one folder of `maps`, since rs274 takes four times as
+    long as a program."""
+    lines = []
+    for number, tool in tools.items():
+        words = " ".join(f"{letter}{value!r}" for letter, value in tool.items())
+        lines.append(f"T{number} P{number} {words}\n")
+    text = "".join(lines)
+    home = os.path.join(maps, hashlib.sha256(text.encode()).hexdigest())
+    made = os.path.join(home, MAP)
+    if not os.path.exists(made):
+        os.makedirs(home)
+        table, nothing = os.path.join(home, "tool.tbl"), os.path.join(home, "nothing.ngc")
+        with open(table, "w") as out:
+            out.write(text)
+        with open(nothing, "w") as out:
+            out.write("M2\n")
+        subprocess.run(
+            [rs274, "-g", "-t", table, nothing],
+            cwd=home,
+            env={**os.environ, "HOME": home},
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
+    return made
 
-    It reads tools from a map in $HOME that LinuxCNC's controller would have made; `rs274 -t` makes
-    one too.
-    """
-    table = os.path.join(home, "tool.tbl")
-    with open(table, "w") as out:
-        for number, tool in tools.items():
-            words = " ".join(f"{letter}{value!r}" for letter, value in tool.items())
-            out.write(f"T{number} P{number} {words}\n")
-    nothing = os.path.join(home, "nothing.ngc")
-    with open(nothing, "w") as out:
-        out.write("M2\n")
-    subprocess.run(
-        [rs274, "-g", "-t", table, nothing], cwd=home, check=True, stdout=subprocess.DEVNULL
-    )
+
+def attach_tool_table(home, made):
+    """Give the interpreter a tool table, its own copy of the map `made`. Without one it crashes on
+    the first T, M6 or G43."""
+    shutil.copyfile(made, os.path.join(home, MAP))
     ctypes.CDLL("libtooldata.so.0")["_Z14tool_mmap_userv"]()
 
 
@@ -215,8 +233,9 @@ def first_line_too_long(text):
     return len(text.split("\n", 1)[0].rstrip("\r").encode()) > LINE_LENGTH
 
 
-def run(job, home, rs274):
-    """Run one program; {"motions": ...} or {"error": ..., "line": ..., "motions": those before}."""
+def run(job, home, tools):
+    """Run one program, tools: its map of tools or None; {"motions": ...} or {"error": ..., "line":
+    ..., "motions": those before}."""
     program, parameters = os.path.join(home, "program.ngc"), os.path.join(home, "parameters.var")
     with open(program, "w", newline="") as out:
         out.write(job["text"])
@@ -228,8 +247,8 @@ def run(job, home, rs274):
         return {"error": "Command too long", "line": 1, "motions": []}
     os.environ["HOME"] = home
     os.chdir(home)
-    if job["tools"] or uses_tools(job["text"]):
-        attach_tool_table(home, job["tools"], rs274)
+    if tools:
+        attach_tool_table(home, tools)
     canon = Canon(parameters, job["block_delete"], job["tools"])
     result, _ = gcode.parse(program, canon, *START)
     if canon.missing is not None:
@@ -241,7 +260,7 @@ def run(job, home, rs274):
     return {"motions": canon.motions}
 
 
-def run_in_child(job, home, rs274):
+def run_in_child(job, home, tools):
     """`run`, in a fork; the answer comes back through a file."""
     os.makedirs(home)
     answer = os.path.join(home, "answer.json")
@@ -251,7 +270,7 @@ def run_in_child(job, home, rs274):
         resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))  # some programs never end
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
         try:
-            outcome = run({**job, "parameters": dict(job["parameters"])}, home, rs274)
+            outcome = run({**job, "parameters": dict(job["parameters"])}, home, tools)
             with open(answer, "w") as out:
                 json.dump(outcome, out)
             status = 0
@@ -273,7 +292,9 @@ def main():
     home = os.environ["HOME"]
     with open(results, "w") as out:
         for i, job in enumerate(json.load(sys.stdin)):
-            json.dump(run_in_child(job, os.path.join(home, str(i)), rs274), out)
+            needed = job["tools"] or uses_tools(job["text"])
+            tools = tool_map(os.path.join(home, "tools"), job["tools"], rs274) if needed else None
+            json.dump(run_in_child(job, os.path.join(home, str(i)), tools), out)
             out.write("\n")
 
 
