@@ -11,12 +11,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from postproc.errors import ProgramError
+from postproc.filter import Filter, setup_of
+from postproc.machine import places
+from postproc.nc import dialects
 from postproc.nc.checksums import START, Numbering, bare, check, cover, renumber
 
 
 def sealed(code: bytes, tail: bytes = b"") -> bytes:
     """A line with its checksum."""
     return b"%s*%d%s\n" % (code, reduce(xor, code, 0), tail)
+
+
+def printer(dialect: str = "marlin") -> Filter:
+    machine = places.load("example-printer").carrying(("E",))
+    return Filter(machine, dialects.load(dialect), setup_of(machine))
 
 
 class Receiver:
@@ -102,6 +111,40 @@ def test_added_lines_take_the_next_number_and_shift_the_later_ones():
         + sealed(b"N10 G1 X4") + sealed(b"N0011G1X5")
     )  # fmt: skip
     assert state == Numbering(11, 2)
+
+
+@pytest.mark.parametrize("before", [b"", b"\n", b"\n\n", b"; note\n"])
+def test_a_damaged_line_is_named_where_it_stands(before):
+    on = printer()
+    with pytest.raises(ProgramError, match="the checksum is") as caught:
+        on.feed(before + sealed(b"N1 G28") + b"N2 G1 X2*1\n")
+    assert caught.value.place.line == before.count(b"\n") + 2
+    assert caught.value.place.text == "N2 G1 X2*1"
+    assert (caught.value.place.start, caught.value.place.stop) == (0, 0)
+
+
+def test_of_a_very_long_line_a_thousand_characters_are_shown():
+    on = printer()
+    with pytest.raises(ProgramError) as caught:
+        on.feed(b"N2 G1 X2 ;" + b"x" * 2000 + b"\nN2 G1 X2*1 ;" + b"y" * 2000 + b"\n")
+    assert caught.value.place.text == "N2 G1 X2*1 ;" + "y" * 988
+
+
+def test_a_fault_of_a_whole_block_marks_no_columns():
+    on = printer()
+    with pytest.raises(ProgramError) as caught:
+        on.feed(b"G28\nG1 X9999\n")
+    assert caught.value.place.text == "G1 X9999"
+    assert (caught.value.place.start, caught.value.place.stop) == (0, 0)
+
+
+def test_behind_the_end_what_moves_no_axis_is_no_notice():
+    """Of RepRap: lines behind M2 pass; where they name an axis, that is said with their line."""
+    on = printer("reprap")
+    assert on.feed(b"G28\nM2\n; done\nM104 S0\n") == b"G28\nM2\n; done\nM104 S0\n"
+    assert not [n for n in on.notices if n.code == "behind"]
+    on.feed(b"M84\nG1 X5\n")
+    assert [n.line for n in on.notices if n.code == "behind"] == [6]
 
 
 def test_a_changed_line_keeps_its_number_and_gets_its_checksum():

@@ -127,6 +127,13 @@ def test_a_corner_that_will_be_refused_is_named_by_its_slides(tmp_path):
     assert re.match(r"at (X200 Z-?200|Z-?200 X200) the correction of X is 0\.900 mm", said)
 
 
+@pytest.mark.parametrize(("um", "odd"), [(0.0, False), (0.019, True), (0.021, False), (1.0, False)])
+def test_errors_below_what_is_ever_measured_are_odd(um, odd, tmp_path):
+    text = HEAD.format(chain="w-b-Z-X-t") + Z + X + 'table = "x.csv"\n'
+    m = machine(tmp_path, text, x=f"X_mm,EXX_um\n-200,0\n200,{um}\n")
+    assert any("less than is ever measured" in line for line in implausible(m)) is odd
+
+
 # -- heat ------------------------------------------------------------------------------------------
 
 

@@ -16,7 +16,7 @@ from postproc.filter import Filter, setup_of
 from postproc.machine import places
 from postproc.machine.seen import seen_in
 from postproc.machine.tables import GridTable
-from postproc.machine.tip import TipMachine
+from postproc.machine.tip import TipMachine, tool_directions
 from postproc.motions import FEED, FREE
 from postproc.nc import dialects
 from postproc.spaces import Space
@@ -523,6 +523,20 @@ def test_a_slide_turns_at_the_vertex_of_its_parabola(way, turns):
         )
         motion, t = map(np.concatenate, zip(*turning._of_slides(b)))
         assert t == pytest.approx(found, abs=1e-12) and not motion.any()
+
+
+@pytest.mark.parametrize("chain", CHAINS)
+def test_the_tool_points_where_the_whole_chain_turns_it(chain, tmp_path):
+    """Judged by exact transforms; products of two angles of 20 urad are left out."""
+    rng = np.random.default_rng(CHAINS.index(chain))
+    truth = random_truth(rng, chain)
+    machine = load(truth, tmp_path)
+    for _ in range(3):
+        pose = {x: float(rng.uniform(-80, 80)) for x in machine.letters}
+        place = np.array([[pose[x]] for x in machine.letters])
+        actual = tool_directions(machine, place, np.zeros(place.shape))[:, 0]
+        assert actual == pytest.approx(truth.axis(pose, 1.0), abs=2e-8)
+        assert np.abs(actual - truth.axis(pose, 0.0)).max() > 5e-7
 
 
 def test_in_a_space_no_axis_has_errors_of_its_own():

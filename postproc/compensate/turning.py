@@ -254,9 +254,9 @@ def _pivots(value: list[int], begin: int, least: float) -> list[int]:
     low = high = sense = 0
     pivots: list[int] = []
     for k, here in enumerate(value):
-        if sense >= 0 and here > value[high]:
+        if here > value[high]:
             high = k
-        if sense <= 0 and here < value[low]:
+        if here < value[low]:
             low = k
         if sense >= 0 and value[high] - here > least:
             pivots += [high] if sense or value[high] - value[0] > least / 2 else []

@@ -10,7 +10,7 @@ import pytest
 
 from postproc.diagnose.block import Block
 from postproc.diagnose.library import FOUND
-from postproc.diagnose.sets import Sets, _terms
+from postproc.diagnose.sets import Sets, _amplitude, _later, _terms
 from postproc.effects import UM, load
 from tests.diagnose.test_search import LAG, found
 
@@ -91,3 +91,18 @@ def test_sizes_are_learned_afresh_where_what_was_learned_before_has_grown(grown,
     sets = cast(Any, SimpleNamespace(evidence=evidence))
     least = np.zeros(0)
     assert Sets._learned(sets, (LAG,), like, frozenset(), least) is fits[likelier]
+
+
+def test_a_spike_is_as_large_as_its_second_reading_and_in_long_traces_as_one_in_two_thousand():
+    assert _amplitude(np.array([1.0, -5.0, 4.0])) == 4.0
+    assert _amplitude(np.array([-3.0])) == 3.0
+    assert _amplitude(np.arange(8000.0)) == 7996.0  # of four readings
+
+
+def test_what_comes_later_is_taken_from_sample_to_sample_of_one_motion():
+    """Passages 0 and 1 of one signal, samples of no motion (-1), and another signal."""
+    passage = np.array([0, 0, 0, 1, 1, -1, -1, 1, 1])
+    signal = np.array([0, 0, 0, 0, 0, 0, 0, 0, 1])
+    rows = SimpleNamespace(state=SimpleNamespace(passage=passage), signal=signal)
+    part = np.array([1.0, 3.0, 4.0, 9.0, 7.0, 5.0, 6.0, 2.0, 1.0])
+    assert _later(rows, part).tolist() == [0.0, 2.0, 1.0, 0.0, -2.0, 0.0, 0.0, 0.0, 0.0]

@@ -425,6 +425,27 @@ def test_pace_and_begin(tmp_path):
     assert values[0, 1] == pytest.approx((100 + 2 * 10) * 0.01, abs=1e-6)
 
 
+SCREW = """
+[[effect]]
+name = "screw_heat"
+axis = "Z"
+alpha_ppm_K = 11.0
+held_at_mm = 0.0
+tau_s = {tau}
+source = "a test"
+"""
+
+
+@pytest.mark.parametrize(("tau", "followed"), [("0.0", True), ("1.0", False), ("600.0", False)])
+def test_a_screw_follows_its_thermometer_where_it_has_no_time_of_its_own(tau, followed, tmp_path):
+    m = read_machine(machine(tmp_path, "", SCREW.format(tau=tau)))
+    found, _, out = growth.drivers(m, ["T_screw_Z_C"], spindles=False)
+    assert [d.column for d in found if d.name.startswith("screw_heat")] == [
+        "T_screw_Z_C"
+    ] * followed
+    assert any("screw_heat of Z is not followed" in line for line in out) is not followed
+
+
 def test_notices_say_what_was_taken(tmp_path):
     folder = machine(tmp_path, "", SPINDLE)
     asked = options(

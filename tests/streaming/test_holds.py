@@ -110,6 +110,25 @@ def test_A8_a_hold_by_a_button_can_be_ended_here():
     assert len(said(sender, "hold")) == 1 and not said(sender, "resumed")
 
 
+def test_it_is_held_from_the_order_on_and_by_a_button_from_the_report_on():
+    """What is sent, and how long it takes, counts a hold before the machine says that it stands."""
+    model = GrblModel()
+    sender = new_sender(model)
+    seen = []
+
+    def look(sender, now):
+        seen.append(sender.held)
+
+    run(
+        sender, model, lines_of(SLOW),
+        actions=[(0.9, look), (1.0, lambda s, now: s.hold(now)), (1.0, look), (5.0, look),
+                 (6.0, lambda s, now: s.resume(now)), (7.0, look),
+                 (8.0, lambda s, now: model.write(b"!", now)), (10.0, look),
+                 (11.0, lambda s, now: s.resume(now))],
+    )  # fmt: skip
+    assert seen == [False, True, True, False, True] and sender.outcome.kind == "done"
+
+
 def test_A8_an_ordered_hold_that_the_machines_button_ends_goes_on():
     model = GrblModel()
     sender = new_sender(model)
