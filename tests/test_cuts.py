@@ -180,6 +180,17 @@ def test_between_two_candidates_products_bend_by_the_slack_at_most(tmp_path):
     assert 0.09 * UM < bend <= 0.1 * UM
 
 
+@pytest.mark.parametrize("code", ["G2", "G3"])
+@pytest.mark.parametrize("um", [0.5, 1.0, 2.0])
+def test_an_arc_over_a_steep_map_is_cut_until_it_can_be_judged(tmp_path, code, um):
+    """X errs by 40 um/mm to and fro, so that between a few samples more may hide than the tolerance
+    allows: no long arc is taken for near enough (one was off by 33 um)."""
+    rows = "".join(f"{x},{40 * (x % 2)}\n" for x in range(13))
+    folder = machine(tmp_path / "m", f"X_mm,EXX_um\n-10,0\n{rows}400,0\n", step=0.0001)
+    text = f"G21 G90 G18\nG1 X0 Z0 F500\n{code} X10 Z10 I10 K0\nM2\n"
+    assert left(folder, text, corrected(folder, text, um * UM)) < um * UM + 0.0001
+
+
 def test_a_slide_does_not_turn_back_inside_its_play(tmp_path):
     """The straightness of X leads Z by 0.8 um up and down along a block that rises by 1 um, within
     the hysteresis of 1 um: Z goes on or rests, since back it would move within its play alone."""

@@ -368,7 +368,8 @@ class Proof:
         off *= off
         for bow in self._bows:
             off += bow * bow
-        excess = np.sqrt(self._largest(off)) / self.limit
+        # Where more may hide between samples than the tolerance allows, nothing is near enough.
+        excess = np.sqrt(self._largest(off)) / np.maximum(self.limit, EXACT)
         return good & (excess <= 1.0), excess
 
     @cached_property
