@@ -92,7 +92,7 @@ class Proof:
         self.share = self.s.t - self._each(rows.t0)
         self.share *= self._each(1.0 / self.part)
         self.half = np.minimum(*self.grid) / TICKS_PER_MM / 2
-        self.limit = f.total + self.half - samples.rest
+        self.limit = f.total + self.half - samples.rest  # below 0: more may hide than is allowed
         self.excess = np.zeros(len(rows))
 
     def _taken(self, samples: Samples) -> Samples:
@@ -368,7 +368,6 @@ class Proof:
         off *= off
         for bow in self._bows:
             off += bow * bow
-        # Where more may hide between samples than the tolerance allows, nothing is near enough.
         excess = np.sqrt(self._largest(off)) / np.maximum(self.limit, EXACT)
         return good & (excess <= 1.0), excess
 

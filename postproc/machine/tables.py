@@ -232,11 +232,9 @@ class AxisTable(BothWays):
         return [Cells(self.nodes, self.step, *bins[1:3]) for bins in self._bins_along]
 
     def half_of(self, row: int, position: Value) -> Value:
-        """(N,) half of forward minus reverse of one component, mm or rad, or one number; 0 where it
-        was measured one way."""
+        """(N,) half of forward minus reverse of one component, mm or rad, or one number; of one
+        that was measured both ways."""
         _, base, rise, half = self._bins
-        if row not in half:
-            return 0.0
         if not isinstance(position, np.ndarray):
             return self._cells.values(position)[half[row]]
         interval, share = self.place(position)

@@ -12,6 +12,7 @@ import pytest
 
 from postproc import cli, effects, recordings
 from postproc.commands import reading, reading_options, warming
+from postproc.compensate import Compensator, Options
 from postproc.effects import State
 from postproc.errors import GcompError, Notice
 from postproc.heat import clock, log
@@ -444,6 +445,28 @@ def test_a_screw_follows_its_thermometer_where_it_has_no_time_of_its_own(tau, fo
         "T_screw_Z_C"
     ] * followed
     assert any("screw_heat of Z is not followed" in line for line in out) is not followed
+
+
+def test_what_heat_does_to_a_whole_program_has_no_line(tmp_path):
+    """An arc of 157 s in line 4, over which the scale warms by 4.7 K."""
+    folder = machine(tmp_path)
+    log = written(tmp_path, "t_s,T_scale_X_C", "0,20", "1000,50")
+    filter_ = filter_of(folder, "--temperatures", log)
+    text = "G21 G90 G54 G17\nG0 X0 Y0 Z0\n(the arc)\nG2 X100 Y0 I50 J0 F60\nM2\n"
+    filter_.feed(text.encode())
+    assert [n.line for n in filter_.notices if n.code == "heat"] == [0]
+
+
+def test_without_a_temperature_the_machine_is_as_cold_as_its_file(tmp_path):
+    """Of holes that --expand asks about before anything has become warm."""
+    m = read_machine(machine(tmp_path, TWO))
+    found, _, _ = growth.drivers(m, ["T_front_C", "T_rear_C"], spindles=False)
+    following = growth.following(m, found)
+    tool = np.array([0, 0, 10_000_000_000])
+    cold = Compensator(following, Options(heat_step=(0.1, 0.1)))._of_tool(tool)
+    q = np.array([[0.0, 100.0, 400.0], [0.0] * 3, [0.0] * 3])
+    by_file = growth.grown(following, found, np.zeros(2)).deviation(q, 0 * q)
+    assert cold.machine.deviation(q, 0 * q) == pytest.approx(by_file, abs=1e-12)
 
 
 def test_notices_say_what_was_taken(tmp_path):
