@@ -18,6 +18,7 @@ from postproc.machine.file import read_machine
 from postproc.machine.tables import MANY, AxisTable
 from postproc.nc import dialects
 from postproc.units import TICKS_PER_MM
+from postproc.verify import Verifier
 from tests.reference.evaluate import residual
 from tests.reference.machine import Machine as Reference
 from tests.small_machines import write_mill
@@ -189,6 +190,33 @@ def test_an_arc_over_a_steep_map_is_cut_until_it_can_be_judged(tmp_path, code, u
     folder = machine(tmp_path / "m", f"X_mm,EXX_um\n-10,0\n{rows}400,0\n", step=0.0001)
     text = f"G21 G90 G18\nG1 X0 Z0 F500\n{code} X10 Z10 I10 K0\nM2\n"
     assert left(folder, text, corrected(folder, text, um * UM)) < um * UM + 0.0001
+
+
+@pytest.mark.parametrize("before", ["", "G53 G0 X0 Z0\n", "G1 X10 F500\nG53 G1 X0\n"])
+def test_a_feed_from_a_place_that_was_not_corrected_begins_with_its_correction(tmp_path, before):
+    """X errs by 20 um everywhere, measured one way, and the slide stands at 0, by --start or by
+    G53: it goes to -0.02 first, so that the whole line is in its place."""
+    m = read_machine(machine(tmp_path / "m", "X_mm,EXX_um\n-10,20\n400,20\n", step=0.001))
+    filter_ = Filter(m, dialects.load("linuxcnc"), setup_of(m, {}, {"X": 0.0, "Z": 0.0}))
+    text = f"G21 G90\n{before}G1 Z50 F500\nX30\nM2\n"
+    lines = (filter_.feed(text.encode()) + filter_.finish()).decode().splitlines()
+    assert lines[-4:-1] == ["G1 Z0.000 X-0.020 F500", "Z50.000", "X29.980"]
+
+
+@pytest.mark.parametrize(
+    ("um", "helix"),
+    [(1.0, "G1 X100 Y0 Z30 F500\nG3 X110 Y10 Z-30 I0 J10"),
+     (2.0, "G1 X20 Y0 Z-30 F500\nG3 X20.5 Y0.5 Z35 I0 J.5")],
+)  # fmt: skip
+def test_a_helix_is_cut_where_its_third_axis_passes_nodes(tmp_path, um, helix):
+    """Seven nodes of Z lie on its way, upwards or downwards."""
+    m = read_machine(write_mill(tmp_path / "mill", two_way=False))
+    zero = {"G54": dict.fromkeys("XYZ", 0.0)}
+    filter_ = Filter(m, dialects.load("linuxcnc"), setup_of(m, zero), Options(tolerance=um * UM))
+    verifier = Verifier(filter_)
+    filter_.feed(f"G90 G21 G54 G17\nG0 X0 Y0 Z0\n{helix}\nM2\n".encode())
+    filter_.finish()
+    assert verifier.passed, verifier.report()
 
 
 def test_a_slide_does_not_turn_back_inside_its_play(tmp_path):
