@@ -26,8 +26,11 @@ QUIET, OF_NORMAL = 0.25, 0.3186
 # which an oscillation falls as soon
 AT_ONCE, FEW = 0.25, 4
 # of the way that it is driven on: what it lags by while it stands; by less where the reading is
-# taken behind what gives (a belt, a motor's encoder)
+# taken behind what gives (a belt, a motor's encoder), or where it creeps on as it is held
 STANDS = 0.12, 1.5
+# standard deviation of the ways of cycles, of their mean, of which less is a wave of one period, as
+# is found from a spectrum, and more are the turning points of noise (0.6 and more)
+UNEVEN = 0.1, 0.3
 SPREAD = 4.0  # standard deviations within which the end of a cycle is looked for
 
 
@@ -100,7 +103,9 @@ def _sawtooth(lag: np.ndarray, gone: np.ndarray) -> tuple[np.ndarray, np.ndarray
     stands = np.median((lag[tops] - lag[bottoms]) / way)
     cycle = np.median(stick + slip)
     at_once = cycle > FEW and np.median(slip) - 1 <= AT_ONCE * cycle
-    if not (at_once and STANDS[0] < stands < STANDS[1]):
+    cycles = np.diff(gone[bottoms])
+    uneven = UNEVEN[0] < np.std(cycles) / np.mean(cycles) < UNEVEN[1]
+    if not (at_once and (0.0 if uneven else STANDS[0]) < stands < STANDS[1]):
         return None
     height = np.stack([np.zeros(len(way)), way], axis=1).ravel()
     usual = float(np.mean(way))

@@ -234,7 +234,7 @@ def _sparse(rows: Rows, residual: np.ndarray, which: np.ndarray) -> float:
             for p, v in zip(place[run == b], y[run == b], strict=True)
             if int(p) in first
         ]
-        if len(pairs) > 2:
+        if len(pairs) > 1:
             differences.append(np.diff(pairs) / 2.0)
         elif pairs:
             differences.append(np.array(pairs) / np.sqrt(2.0))

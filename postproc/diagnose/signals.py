@@ -315,13 +315,16 @@ def _slips(letter: str, columns: Columns, actual: np.ndarray) -> Columns:
 
 
 def _changing(columns: Columns, letters: list[str], run: np.ndarray) -> np.ndarray:
-    """(N,) bool: samples in which an axis starts, stops or turns."""
+    """(N,) bool: samples in which an axis starts, stops or turns; at the first one of a run it
+    stands where the run before left it."""
     result = np.zeros(len(run), bool)
+    first = np.concatenate([[True], np.diff(run) != 0])
     for x in letters:
         side, moves = columns[f"{x} approach"], columns[f"{x} velocity"] != 0
         turn = np.flatnonzero(((np.diff(side) != 0) | (np.diff(moves) != 0)) & (np.diff(run) == 0))
         result[turn] = True
         result[turn + 1] = True
+        result |= first & moves
     return result
 
 
