@@ -92,8 +92,14 @@ def _joined(
     }
     state = replace(state, angles={x: a for x, a in angles.items() if a is not None and a.any()})
     direction = np.concatenate([p["direction"] for p in parts])
-    state = replace(state, lines=_lines(parts, state, direction))
     sees = np.concatenate([np.full(len(p["y"]), p["sees"]) for p in parts])
+    state = replace(
+        state,
+        lines=_lines(parts, state, direction),
+        arms={x: machine.arm_at(x, position) for x in letters},
+        on_arm="".join(x for x in letters if machine.on_own_arm(x)),
+        turned=sees == "angle",
+    )
     rows = Rows(
         column("y"),
         np.zeros(n),

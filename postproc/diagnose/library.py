@@ -24,6 +24,7 @@ SIGNALS = {  # what an effect must be able to show in -> kinds of signals
     "laser": ("laser",),
     "trace": ("tool",),
     "gauge": (),
+    "angle": ("angle",),
 }
 MOST_STEPS, MOST_JUMPS, MOST_ABRUPT = 200, 60, 24
 PAUSE = 4.0  # times the usual wait between two readings: between two runs or recordings

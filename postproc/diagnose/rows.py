@@ -120,6 +120,9 @@ def pick_state(state: State, which: np.ndarray) -> State:
         of_each(state.inside),
         of_each(state.path),
         of_each(state.slipped),
+        of_each(state.arms),
+        state.on_arm,
+        state.turned[which] if len(state.turned) else state.turned,
     )
 
 

@@ -86,7 +86,9 @@ class State:
     position mm, approach -1..+1, velocity mm/s, acceleration mm/s2, distance mm and since s (since
     that axis turned back last): axis to (N,). travel: axis to (low, high) mm. time (N,) s. run
     (N,): which passage. channels: name to (N,), as recorded: T_screw_X_C, force_X_N, load_X_N,
-    spindle_rpm. angles: axis to (3, N) rad, the measured rotations of that axis. beam (N,) mm:
+    spindle_rpm. angles: axis to (3, N) rad, the measured rotations of that axis; arms: axis to
+    (3, N) mm, on which its rotations act; on_arm: axes whose own position is part of their arm;
+    turned (N,) bool: rows that read an angle. beam (N,) mm:
     length of a laser's beam beyond its zero. passage (N,): number of the unbroken sampled motion
     that a row belongs to, -1 for rows at rest; file (N,): number of the recording. width (N,) s:
     over which samples were averaged to a row. inside: axis, or "time", to (W, N) mm or s: where, or
@@ -116,6 +118,9 @@ class State:
     inside: dict[str, np.ndarray] = field(default_factory=dict)
     path: dict[str, np.ndarray] = field(default_factory=dict)
     slipped: dict[str, np.ndarray] = field(default_factory=dict)
+    arms: dict[str, np.ndarray] = field(default_factory=dict)
+    on_arm: str = ""
+    turned: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
 
     def __len__(self) -> int:
         return len(next(iter(self.position.values())))

@@ -11,11 +11,13 @@ import numpy as np
 
 from postproc.effects import UM, XYZ, Grid, State, Table, along, legendre
 
-DEGREES = (1, 2, 3, 4, 5)
+DEGREES, DRAWN = (1, 2, 3, 4, 5), (1.0, 3.0, 5.0)
+NODES = 161
 PARAMETERS = {
     "arm_mm": "mm, the arm that was left out of a measured rotation",
     "turn": "0, 1, 2: A, B, C, the rotation",
-    "arm": "0, 1, 2: X, Y, Z, the direction of the arm",
+    "arm": "0, 1, 2: X, Y, Z, the direction of the arm; 3: as the machine's file has it;"
+    " 4: so, without the axis' own position, where its straightness was measured at the tool",
     "known": "1, the rotation is that of the machine's file; 0, it was not measured",
     "zero_mm": "mm, where on the axis along the arm a rotation that was not measured does nothing",
     **{
@@ -28,12 +30,12 @@ OPTIONAL = {"known": 1.0, "zero_mm": 0.0, **{f"c{k}_urad": 0.0 for k in DEGREES}
 # look like something else. Ways of a router turn by 1 mm on 1 m (unverified: usual sizes).
 PLAUSIBLE = {"arm_mm": (-500.0, 500.0), **{f"c{k}_urad": (-1000.0, 1000.0) for k in DEGREES}}
 KIND, USE, PER = "machine", "compensate", "axis"
-NEEDS, SEES = ("position",), ("tool",)
+NEEDS, SEES = ("position",), ("tool", "angle")
 TEXT = (
     "A rotation of the axis acts on an arm that is not in the model. "
     "State where the axis was measured and how long the tool is; measure at two heights."
 )
-FAR = 1e6  # mm: from there all lines have one arm
+OF_CHAIN, BUT_OWN = 3.0, 4.0  # the arm of a rotation that the tables lack
 # rad: by how much a measured rotation is wrong itself (unverified: a usual figure of angular
 # optics)
 ANGLE = 5e-7
@@ -48,7 +50,10 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
         arm = XYZ.index(other)
         zeros = [round(float(low + z * (high - low)), 3) for z in ZEROS]
         turn = float(3 - arm - XYZ.index(axis))
-        ways += [(turn, float(arm), 0.0, z, d) for z, d in product(zeros, (1.0, 3.0, 5.0))]
+        ways += [(turn, float(arm), 0.0, z, d) for z, d in product(zeros, DRAWN)]
+    if axis in state.arms:
+        arms = (OF_CHAIN, BUT_OWN) if axis in state.on_arm else (OF_CHAIN,)
+        ways += [(t, a, 0.0, 0.0, d) for t, a, d in product((0.0, 1.0, 2.0), arms, DRAWN)]
     names = ("turn", "arm", "known", "zero_mm", "degree")
     return [dict(zip(names, way, strict=True)) for way in ways]
 
@@ -62,13 +67,31 @@ def columns(
     zero_mm: float = 0.0,
     degree: float = 5.0,
 ) -> np.ndarray:
+    if arm in (OF_CHAIN, BUT_OWN):
+        return _missing(state, axis, turn, arm, degree)
     turned, reach = np.zeros((3, len(state))), np.zeros((3, len(state)))
-    reach[int(arm)] = 1.0
+    reach[int(arm)] = 1.0 if not len(state.turned) else ~state.turned
     if known:
         turned[int(turn)] = state.angles[axis][int(turn)]
         return np.cross(turned, reach, axis=0)[None]
-    out = _sense(axis, turn, arm) * (state.position[XYZ[int(arm)]] - zero_mm) * 1e-3
+    out = (
+        _sense(axis, turn, arm) * (state.position[XYZ[int(arm)]] - zero_mm) * 1e-3 * reach[int(arm)]
+    )
     return along(axis, *(out * legendre(state.share(axis), k) for k in DEGREES[: int(degree)]))
+
+
+def _missing(state: State, axis: str, turn: float, arm: float, degree: float) -> np.ndarray:
+    """(K, 3, N) mm and rad per urad of a rotation that the tables lack: what the tool does at the
+    end of its arm, and what an angular instrument reads."""
+    unit = np.zeros((3, len(state)))
+    unit[int(turn)] = UM**2
+    reach = state.arms[axis].copy()
+    if arm == BUT_OWN:
+        reach[XYZ.index(axis)] -= state.position[axis]
+    moved = np.cross(unit, reach, axis=0)
+    if len(state.turned):
+        moved[:, state.turned] = unit[:, state.turned]
+    return np.stack([moved * legendre(state.share(axis), k) for k in DEGREES[: int(degree)]])
 
 
 def _sense(axis: str, turn: float, arm: float) -> float:
@@ -80,12 +103,6 @@ def unsure(arm_mm: float, **named: float) -> float:
     """mm, what its driver's own uncertainty makes of it: that of a measured rotation, with the
     arm."""
     return abs(arm_mm) * ANGLE
-
-
-def beside(shape: dict[str, float]) -> dict[str, float] | None:
-    """What a rotation that nobody measured must be worth something beside: the same error of
-    position on all lines."""
-    return None if shape["known"] else {**shape, "zero_mm": FAR, "degree": 5.0}
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
@@ -141,17 +158,38 @@ def by_angle(
     ]
 
 
+def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table]:
+    """The table of a rotation that the machine's file lacks, rad; with what takes away its effect on
+    the axis' own position, mm, where that is not on the arm."""
+    if named["known"] or named["arm"] not in (OF_CHAIN, BUT_OWN):
+        return []
+    nodes, turned_urad = _drawn(travel, named)
+    value, turn = turned_urad * UM**2, int(named["turn"])
+    found = [(f"E{'ABC'[turn]}", axis, nodes, value, value)]
+    if named["arm"] == BUT_OWN and turn != XYZ.index(axis):
+        across = 3 - turn - XYZ.index(axis)
+        own = -_sense(XYZ[across], turn, XYZ.index(axis)) * value * nodes
+        found.append((f"E{XYZ[across]}", axis, nodes, own, own))
+    return found
+
+
+def _drawn(travel: tuple[float, float], named: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes (K,) mm over a travel, and the rotation (K,) urad at them."""
+    nodes = np.linspace(*travel, NODES)
+    u = 2 * (nodes - travel[0]) / (travel[1] - travel[0]) - 1
+    return nodes, sum((named[f"c{k}_urad"] * legendre(u, k) for k in DEGREES), np.zeros(len(u)))
+
+
 def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float) -> list[Grid]:
     """(component, axis, other, nodes, others, values (K, L) mm) of a rotation that nobody
     measured."""
-    if named["known"]:
+    if named["known"] or named["arm"] in (OF_CHAIN, BUT_OWN):
         return []
     other = XYZ[int(named["arm"])]
-    nodes, others = np.linspace(*travel[axis], 161), np.array(travel[other])
-    u = 2 * (nodes - travel[axis][0]) / (travel[axis][1] - travel[axis][0]) - 1
-    turned = sum((named[f"c{k}_urad"] * legendre(u, k) for k in DEGREES), np.zeros(len(u)))
+    nodes, turned_urad = _drawn(travel[axis], named)
+    others = np.array(travel[other])
     value = (
-        turned[:, None]
+        turned_urad[:, None]
         * (others - named["zero_mm"])
         * 1e-3
         * _sense(axis, named["turn"], named["arm"])

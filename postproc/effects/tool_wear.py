@@ -92,15 +92,6 @@ def sensible(rate_um: float, start_um: float, worn_um: float, life: float, **_: 
     )
 
 
-def beside(shape: dict[str, float]) -> dict[str, float] | None:
-    """A tool that is never changed: what grows slowly has many names, a saw-tooth has one."""
-    return (
-        {"change": 0.0, "bores": 1.0, "life": NEVER, "older": 0.0, "cut": 0.0, "every": 0.0}
-        if 0 < shape.get("life", 0.0) < NEVER
-        else None
-    )
-
-
 def columns(
     state: State,
     axis: str,

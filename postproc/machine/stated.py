@@ -269,6 +269,21 @@ class Stated:
             self.chain, self.tool, self.measured, {x: axis.optic for x, axis in self.axes.items()}
         )
 
+    def arm_at(self, letter: str, position: Mapping[str, np.ndarray]) -> np.ndarray:
+        """(3, N) mm: on what the rotations of an axis act, at positions of the slides, axis to (N,)
+        mm; those that are not told stand at zero."""
+        n = len(next(iter(position.values())))
+        return np.stack(
+            [
+                np.full(n, stays) + sum(position[x] for x in slides if x in position)
+                for stays, slides in self.arms[letter]
+            ]
+        )
+
+    def on_own_arm(self, letter: str) -> bool:
+        """Whether an axis' own position is part of its arm."""
+        return any(letter in slides for _, slides in self.arms[letter])
+
     @cached_property
     def leaning(self) -> dict[str, list[tuple[int, np.ndarray]]]:
         return {x: leans(x, lean) for x, lean in self.square.items()}

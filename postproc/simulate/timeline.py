@@ -109,6 +109,8 @@ class Timeline:
             channels=self._channels(time, own, run, slides), angles=self._angles(place, own, rows),
             beam=np.zeros(len(time)), passage=run - 1.0 if sampled else np.full(len(time), -1.0),
             file=np.zeros(len(time)),
+            arms={x: self.machine.arm_at(x, _by_axis(rows, place)) for x in slides},
+            on_arm="".join(x for x in slides if self.machine.on_own_arm(x)),
         )  # fmt: skip
 
     def _channels(self, time, piece, run, slides) -> dict[str, np.ndarray]:
