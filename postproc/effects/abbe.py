@@ -159,8 +159,8 @@ def by_angle(
 
 
 def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table]:
-    """The table of a rotation that the machine's file lacks, rad; with what takes away its effect on
-    the axis' own position, mm, where that is not on the arm."""
+    """The table of a rotation that the machine's file lacks, rad; with what takes away its effect
+    on the axis' own position, mm, where that is not on the arm."""
     if named["known"] or named["arm"] not in (OF_CHAIN, BUT_OWN):
         return []
     nodes, turned_urad = _drawn(travel, named)

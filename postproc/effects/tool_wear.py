@@ -23,8 +23,17 @@ PARAMETERS = {
         " of one"
     ),
     "every": "parts after which it is changed again, every time; 0: it is not",
+    "file": "number of the one recording in which it is changed, 0 the first; -1: in all",
 }
-OPTIONAL = {"bores": 1.0, "worn_um": 0.0, "life": 0.0, "older": 0.0, "cut": 0.0, "every": 0.0}
+OPTIONAL = {
+    "bores": 1.0,
+    "worn_um": 0.0,
+    "life": 0.0,
+    "older": 0.0,
+    "cut": 0.0,
+    "every": 0.0,
+    "file": -1.0,
+}
 HALF = 0.5  # walls are finished, one with the other, when half of the part is cut
 # A worn flank of 0.6 mm (ISO 3685, uneven wear) at 7 degrees of clearance has set the edge back by
 # 74 um; a grinding wheel between two dressings by less.
@@ -42,7 +51,6 @@ TEXT = (
 )
 # of a gauge, of a life, after a change: without one it is any slow growth
 FEWEST_RUNS, SHORTEST, AFTER = 8, 4, 3
-NEVER = 1000.0  # runs
 QUICK = 0.1  # of its life: in which the edge breaks in
 QUICKEST = 20.0  # parts: what breaks in and then does not wear is no edge
 OF_REST = 0.3  # of the rest: by so much the quick wear may come out with the other sign
@@ -53,12 +61,13 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     parts = np.unique(_channel(state, "part")[_channel(state, "wall") != 0])
     if len(parts) > 1:
         ways = (1.0, -1.0) if _channel(state, "bore").any() else (1.0,)
-        changes = [(0.0, 0.0), *((float(p), 0.0) for p in parts[1:])]
+        changes = [(0.0, 0.0, -1.0), *((float(p), 0.0, -1.0) for p in parts[1:])]
         # the first tool was new, and all cut the same number of parts
-        changes += [(float(parts[n]), float(n)) for n in range(SHORTEST, len(parts) // 2 + 1)]
+        changes += [(float(parts[n]), float(n), -1.0) for n in range(SHORTEST, len(parts) // 2 + 1)]
+        changes += [(p, 0.0, file) for file, p in _of_one_file(state)]
         result += [
-            {"change": p, "bores": w, "life": 0.0, "older": 0.0, "cut": c, "every": n}
-            for p, n in changes
+            {"change": p, "bores": w, "life": 0.0, "older": 0.0, "cut": c, "every": n, "file": file}
+            for p, n, file in changes
             for w in ways
             for c in (0.0, HALF)
         ]
@@ -73,11 +82,22 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
                 "older": old,
                 "cut": 0.0,
                 "every": 0.0,
+                "file": -1.0,
             }
             for n in lives
             for old in (0.0, 1.0)
         ]
     return result
+
+
+def _of_one_file(state: State) -> list[tuple[float, float]]:
+    """File and part of every change of tool in one of several recordings of parts."""
+    walls = _channel(state, "wall") != 0
+    files = np.unique(state.file[walls])
+    if len(files) < 2:
+        return []
+    own = ((f, np.unique(_channel(state, "part")[walls & (state.file == f)])) for f in files)
+    return [(float(f), float(p)) for f, parts in own for p in parts[1:]]
 
 
 def sensible(rate_um: float, start_um: float, worn_um: float, life: float, **_: float) -> bool:
@@ -101,22 +121,28 @@ def columns(
     older: float = 0.0,
     cut: float = 0.0,
     every: float = 0.0,
+    file: float = -1.0,
 ) -> np.ndarray:
     if life > 0 and axis:
         age, quick, old = _of_runs(state, life)
         return along(axis, age, quick, old) if older else along(axis, age, quick)
     if not axis:  # of all axes alike: an edge that cuts on all sides
-        each = [columns(state, x, change, bores, life, older, cut, every) for x in state.position]
+        each = [
+            columns(state, x, change, bores, life, older, cut, every, file) for x in state.position
+        ]
         return np.sum(each, axis=0)
     part, wall = _channel(state, "part"), _channel(state, "wall")
     wall = np.where(_channel(state, "bore") > 0, bores * wall, wall)
     known = part[wall != 0]
     first = float(known.min()) if len(known) else 0.0
-    gone = np.where((part >= change) & (change > 0), part - change, part - first)
+    new = (part >= change) & (change > 0)
+    if file >= 0:
+        new &= state.file == file
+    gone = np.where(new, part - change, part - first)
     gone = (np.mod(gone, every) if every > 0 else gone) + cut
     parts = [wall * gone, wall * (1.0 - np.exp(-gone))]
     before = change > 0 and every <= 0
-    return along(axis, *parts, wall * (part < change)) if before else along(axis, *parts)
+    return along(axis, *parts, wall * ~new) if before else along(axis, *parts)
 
 
 def _of_runs(state: State, life: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -152,7 +178,7 @@ def _channel(state: State, name: str) -> np.ndarray:
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     values = [*(float(c) for c in coefficients), 0.0][:3]
     named = dict(zip(("rate_um", "start_um", "worn_um"), values, strict=True))
-    return named | {"bores": 1.0, "life": 0.0, "older": 0.0, "cut": 0.0, "every": 0.0} | shape
+    return named | {name: v for name, v in OPTIONAL.items() if name != "worn_um"} | shape
 
 
 def coefficients(
@@ -165,6 +191,7 @@ def coefficients(
     older: float = 0.0,
     cut: float = 0.0,
     every: float = 0.0,
+    file: float = -1.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     first = (change > 0 and every <= 0) or older
     values = [rate_um, start_um, worn_um] if first else [rate_um, start_um]
@@ -175,4 +202,5 @@ def coefficients(
         "older": older,
         "cut": cut,
         "every": every,
+        "file": file,
     }
