@@ -32,6 +32,7 @@ PLAUSIBLE = {
 # Twice the logarithm of how much seldomer a slide yaws as it turns than it just stands askew:
 # it is seldomer than lost motion, which an angle of this kind looks like along a line.
 YAWS = 4.0
+LONG = 0.5  # um per urad: an arm of 500 mm
 KIND, USE, PER = "machine", "compensate", "pair"
 NEEDS, SEES = ("position",), ("tool",)
 RESTING = True
@@ -48,6 +49,11 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 def further_cost(axis: str, shape: dict[str, float]) -> float:
     """Twice the logarithm of how much seldomer a shape is than the others of this effect."""
     return YAWS if shape["turns"] else 0.0
+
+
+def sensible(urad: float, turn_urad: float = 0.0, turn_um: float = 0.0, **_: float) -> bool:
+    """Whether it is an angle first: what changes as the slide turns is the smaller part."""
+    return max(abs(turn_urad), abs(turn_um) / LONG) <= abs(urad)
 
 
 def _axes(axis: str, leans: float) -> tuple[str, str]:

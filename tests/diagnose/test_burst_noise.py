@@ -1,5 +1,5 @@
 """An instrument that switches between levels is told from an axis that loses steps, and from
-what turns do; and of a machine whose slide yaws as it turns the squareness has two values."""
+what turns do; and of a leaning slide that yaws as it turns the squareness has two values."""
 
 from __future__ import annotations
 
@@ -131,17 +131,26 @@ def test_what_changes_with_every_turn_is_the_machine(tmp_path):
     assert names and names[0] in ("backlash", "windup", "coulomb_friction", "backlash_position")
 
 
-def test_a_slide_that_yaws_as_it_turns(tmp_path):
-    """By 40 urad about the zero of X: across, 200 mm from there, 4 um to either side."""
+def test_a_leaning_slide_that_yaws_as_it_turns(tmp_path):
+    """60 urad, and 40 urad more or less about the zero of X: across, 200 mm from there, 4 um to
+    either side."""
     side = np.sign(np.cos(2 * np.pi * TIME / 7.0))
     (found,) = told(
-        tmp_path, np.zeros(len(TIME)), sees="tool", across_um=-20.0 * side * PLACE * 1e-3
+        tmp_path, np.zeros(len(TIME)), sees="tool", across_um=-(60 + 20 * side) * PLACE * 1e-3
     )
     assert found["effect"] == "squareness" and found["axis"] == "XY"
+    assert found["parameters"]["urad"]["value"] == pytest.approx(60.0, abs=1.0)
     at_200 = (
         found["parameters"]["turn_um"]["value"] - 0.2 * found["parameters"]["turn_urad"]["value"]
     )
     assert at_200 == pytest.approx(-8.0, abs=0.3)
+
+
+def test_a_slide_that_only_yaws_as_it_turns_has_no_name(tmp_path):
+    """The angle between the axes is right in the mean: no word of the contract says it."""
+    side = np.sign(np.cos(2 * np.pi * TIME / 7.0))
+    across_um = -20.0 * side * PLACE * 1e-3
+    assert told(tmp_path, np.zeros(len(TIME)), sees="tool", across_um=across_um) == []
 
 
 def test_a_squareness_with_two_values_is_written_as_a_table_of_two_directions():
