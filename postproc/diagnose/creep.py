@@ -28,8 +28,8 @@ AT_ONCE, FEW = 0.25, 4
 # of the way that it is driven on: what it lags by while it stands; by less where the reading is
 # taken behind what gives (a belt, a motor's encoder), or where it creeps on as it is held
 STANDS = 0.12, 1.5
-# standard deviation of the ways of cycles, of their mean, of which less is a wave of one period, as
-# is found from a spectrum, and more are the turning points of noise (0.6 and more)
+# standard deviation of the ways from slip to slip, of their mean, in the usual stroke: less is one
+# wave, as is found from a spectrum, and more are turning points of noise (0.6 and more)
 UNEVEN = 0.1, 0.3
 SPREAD = 4.0  # standard deviations within which the end of a cycle is looked for
 
@@ -65,28 +65,44 @@ def of(place: np.ndarray, lag: np.ndarray, velocity: np.ndarray, run: np.ndarray
     ways, steps = [np.zeros(0)], [np.zeros(0)]
     key = np.where(creeps, np.sign(velocity), 2.0 * (velocity != 0))
     edges = np.flatnonzero((np.diff(key) != 0) | (np.diff(run) != 0)) + 1
-    for a, b in pairwise([0, *edges.tolist(), len(place)]):
+    strokes = list(pairwise([0, *edges.tolist(), len(place)]))
+    way = {a: np.abs(place[a:b] - place[a]) for a, b in strokes if creeps[a]}
+    teeth = {
+        a: one
+        for a, b in strokes
+        if a in way and b - a >= FEWEST_SAMPLES and (one := _sawtooth(lag[a:b], way[a]))
+    }
+    usual = np.median([one.uneven for one in teeth.values()] or [0.0])
+    least = 0.0 if UNEVEN[0] < usual < UNEVEN[1] else STANDS[0]
+    for a, b in strokes:
         if a and velocity[a] == 0 and run[a] == run[a - 1]:
             since[a:b] = since[a - 1]  # it stays as it stopped
-        if not creeps[a] or b - a < FEWEST_SAMPLES:
+        if a not in teeth or teeth[a].stands <= least:
             continue
-        gone = np.abs(place[a:b] - place[a])
-        found = _sawtooth(lag[a:b], gone)
-        if found is None:
-            continue
-        at, height = found
-        since[a:b] = np.interp(gone, gone[at], height)
+        at, height = teeth[a].at, teeth[a].height
+        since[a:b] = np.interp(way[a], way[a][at], height)
         ways.append(height[height > 0][1:-1])
-        steps.append(np.full(len(ways[-1]), np.median(np.diff(gone))))
+        steps.append(np.full(len(ways[-1]), np.median(np.diff(way[a]))))
         fastest = max(fastest, float(np.abs(velocity[a:b]).max()))
     cycles = np.concatenate(ways)
     return Slips(since, cycles, np.concatenate(steps), fastest) if len(cycles) else None
 
 
-def _sawtooth(lag: np.ndarray, gone: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Numbers (T,) of the samples at which a lag (n,) mm begins to grow and is let go, from the
-    first to the last, and the way (T,) mm since the last slip there; gone (n,) mm: way that was
-    driven. None where it does not stand, and is let go at once, again and again."""
+class Sawtooth(NamedTuple):
+    """at (T,): numbers of the samples of a stroke at which its lag begins to grow and is let go,
+    from the first to the last; height (T,) mm: the way since the last slip there; stands: of the
+    way that it is driven on, what it lags by; uneven: standard deviation of the ways from slip to
+    slip, of their mean."""
+
+    at: np.ndarray
+    height: np.ndarray
+    stands: float
+    uneven: float
+
+
+def _sawtooth(lag: np.ndarray, gone: np.ndarray) -> Sawtooth | None:
+    """The sawtooth of a lag (n,) mm; gone (n,) mm: way that was driven. None where it does not
+    stand, and is let go at once, again and again."""
     noise = float(np.quantile(np.abs(np.diff(lag, 3)), QUIET)) / OF_NORMAL / np.sqrt(20.0)
     first = _turns(lag, CLEAR * noise)
     if len(first) < 2 * FEWEST:
@@ -103,10 +119,9 @@ def _sawtooth(lag: np.ndarray, gone: np.ndarray) -> tuple[np.ndarray, np.ndarray
     stands = np.median((lag[tops] - lag[bottoms]) / way)
     cycle = np.median(stick + slip)
     at_once = cycle > FEW and np.median(slip) - 1 <= AT_ONCE * cycle
-    cycles = np.diff(gone[bottoms])
-    uneven = UNEVEN[0] < np.std(cycles) / np.mean(cycles) < UNEVEN[1]
-    if not (at_once and (0.0 if uneven else STANDS[0]) < stands < STANDS[1]):
+    if not (at_once and 0.0 < stands < STANDS[1]):
         return None
+    cycles = np.diff(gone[bottoms])
     height = np.stack([np.zeros(len(way)), way], axis=1).ravel()
     usual = float(np.mean(way))
     end = len(lag) - 1
@@ -115,7 +130,8 @@ def _sawtooth(lag: np.ndarray, gone: np.ndarray) -> tuple[np.ndarray, np.ndarray
     ahead = gone[turns[0] if from_top else 0]
     before = [max(usual - ahead, 0.0), usual] if from_top else [0.0]
     after = [0.0, gone[end] - gone[last]] if last < end else [0.0]
-    return np.array(at), np.concatenate([before, height, after])
+    uneven = float(np.std(cycles) / np.mean(cycles))
+    return Sawtooth(np.array(at), np.concatenate([before, height, after]), float(stands), uneven)
 
 
 def _turns(values: np.ndarray, least: float) -> np.ndarray:
