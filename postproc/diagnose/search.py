@@ -43,6 +43,7 @@ class Search:
         self.least = LEAST
         self._looked: set[tuple[int, ...]] = set()
         self._with_process: dict[Key, list[Found]] = {}
+        self._hopeless: set[tuple[tuple[int, ...], tuple[int, str]]] = set()
         self._barred: set[str] = set()  # names whose jumps no readings bear out
         # of fits, by their identity: themselves, and at usual sizes; of these a block's likelier
         # shape: what a search knows that begins again without such a name
@@ -233,14 +234,21 @@ class Search:
             state.fit.on | {(u, kind)}
             for u, part in enumerate(self.sets.evidence.parts)
             for kind, columns in part.processes.items()
-            if columns.any() and (u, kind) not in state.fit.on
+            if columns.any()
+            and (u, kind) not in state.fit.on
+            and (state.members, (u, kind)) not in self._hopeless
         ]
         worth = [
             self.sets.evidence.learn(state.fit.chosen, state.fit, on, 1, state.least).value
             for on in tried
         ]
-        # what is worth nothing after one step is not worth its cost after three
+        # what is worth nothing after one step is not worth its cost after three, nor beside more
         hopeful = [k for k in range(len(tried)) if worth[k] > state.fit.value]
+        self._hopeless |= {
+            (state.members, process)
+            for k in set(range(len(tried))) - set(hopeful)
+            for process in tried[k] - state.fit.on
+        }
         best = sorted(hopeful, key=lambda k: -worth[k])[:CHILDREN]
         return [self.sets.of(state.members, tried[k], state) for k in best]
 
