@@ -13,6 +13,7 @@ from postproc.effects import UM, XYZ, Grid, State, Table, along, legendre
 
 DEGREES, DRAWN = (1, 2, 3, 4, 5), (1.0, 3.0, 5.0)
 NODES = 161
+APART = 1.0  # mm
 PARAMETERS = {
     "arm_mm": "mm, the arm that was left out of a measured rotation",
     "turn": "0, 1, 2: A, B, C, the rotation",
@@ -51,11 +52,20 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
         zeros = [round(float(low + z * (high - low)), 3) for z in ZEROS]
         turn = float(3 - arm - XYZ.index(axis))
         ways += [(turn, float(arm), 0.0, z, d) for z, d in product(zeros, DRAWN)]
-    if axis in state.arms:
+    if axis in state.arms and (state.turned.any() or _on_lines_apart(state, axis)):
         arms = (OF_CHAIN, BUT_OWN) if axis in state.on_arm else (OF_CHAIN,)
         ways += [(t, a, 0.0, 0.0, d) for t, a, d in product((0.0, 1.0, 2.0), arms, DRAWN)]
     names = ("turn", "arm", "known", "zero_mm", "degree")
     return [dict(zip(names, way, strict=True)) for way in ways]
+
+
+def _on_lines_apart(state: State, axis: str) -> bool:
+    """Whether the arm changes by more than with the axis' own place: on one line an error of
+    position or a bow is the same."""
+    reach = state.arms[axis].copy()
+    if axis in state.on_arm:
+        reach[XYZ.index(axis)] -= state.position[axis]
+    return bool((np.ptp(reach, axis=1) > APART).any())
 
 
 def columns(
@@ -85,10 +95,10 @@ def _missing(state: State, axis: str, turn: float, arm: float, degree: float) ->
     end of its arm, and what an angular instrument reads."""
     unit = np.zeros((3, len(state)))
     unit[int(turn)] = UM**2
-    reach = state.arms[axis].copy()
+    own = np.zeros_like(unit)
     if arm == BUT_OWN:
-        reach[XYZ.index(axis)] -= state.position[axis]
-    moved = np.cross(unit, reach, axis=0)
+        own[XYZ.index(axis)] = state.position[axis]
+    moved = np.cross(unit, state.arms[axis] - own, axis=0)
     if len(state.turned):
         moved[:, state.turned] = unit[:, state.turned]
     return np.stack([moved * legendre(state.share(axis), k) for k in DEGREES[: int(degree)]])
