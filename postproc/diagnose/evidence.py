@@ -108,11 +108,6 @@ class Evidence:
         self._again = deque[Block]()
         self.pairs = np.zeros((2, 0), int)  # columns of one block
 
-    @property
-    def readings(self) -> int:
-        """Number of those that take part."""
-        return sum(len(part.unit.rows) for part in self.parts)
-
     # -- the dictionary ----------------------------------------------------------------------------
 
     def add(self, blocks: list[Block], sd: float = 0.0) -> list[int]:

@@ -32,7 +32,6 @@ ALIKE = 6.0  # twice ln(20)
 CONVERGED = 12  # steps after which they stay
 LEAST = 8.0  # twice ln(55): posterior odds that a member must have at least
 NULLS, CHANCE = 64, 0.01
-MOST_PART = 0.95  # of the chi squared of a few readings, that one block explains
 
 
 class Search:
@@ -57,8 +56,7 @@ class Search:
             return
         null = self.sets.null()
         draws = drawn(self.sets.evidence, null.fit, rng, NULLS)
-        scores = self._renewed(self.sets.evidence.scan(null.fit, draws)[0])
-        best = (scores - self.sets.cost[:, None]).max(axis=0)
+        best = (self.sets.evidence.scan(null.fit, draws)[0] - self.sets.cost[:, None]).max(axis=0)
         # Gumbel's distribution has the deviation pi scale / sqrt 6 and the mean mode + 0.5772 scale
         # (Euler's constant); a part p lies beyond mode - scale ln(-ln(1 - p)).
         scale = float(np.std(best)) * np.sqrt(6.0) / np.pi
@@ -356,7 +354,7 @@ class Search:
     def _best(self, fit: Fit, names: int) -> dict[str, int]:
         """Names that are worth most beside a fit at its sizes, and the block of each."""
         scores, coefficients, _ = self.sets.evidence.scan(fit)
-        scores = self._renewed(scores) - self.sets.cost
+        scores = scores - self.sets.cost
         best: dict[str, int] = {}
         for k in map(int, np.argsort(-scores)):
             if scores[k] < self.least or len(best) >= names:
@@ -368,14 +366,6 @@ class Search:
             if plausible(block, coefficients[first : first + block.width]):
                 best[block.key] = k
         return best
-
-    def _renewed(self, scores: np.ndarray) -> np.ndarray:
-        """What blocks are worth where the noise is learned again beside them, of their worth at the
-        noise of a set without them. n readings of that noise have a chi squared of n; what explains
-        a part of it leaves the rest (profile likelihood of the variance)."""
-        n = float(self.sets.evidence.readings)
-        part = np.clip(scores / n, 0.0, MOST_PART)
-        return np.asarray(scores + n * (-np.log1p(-part) - part))
 
     def _allowed(self, chosen: tuple[int, ...], k: int) -> bool:
         """An effect and axis once: what its shape leaves is a process. An instrument is set up anew
