@@ -17,16 +17,25 @@ APART = 1.0  # mm
 PARAMETERS = {
     "arm_mm": "mm, the arm that was left out of a measured rotation",
     "turn": "0, 1, 2: A, B, C, the rotation",
-    "arm": "0, 1, 2: X, Y, Z, the direction of the arm; 3: as the machine's file has it;"
-    " 4: so, without the axis' own position, where its straightness was measured at the tool",
+    "arm": "0, 1, 2: X, Y, Z, the direction of the arm",
     "known": "1, the rotation is that of the machine's file; 0, it was not measured",
     "zero_mm": "mm, where on the axis along the arm a rotation that was not measured does nothing",
+    "of_file": (
+        "1, a rotation that was not measured acts on the arms of the machine's file; 2, so, without"
+        " the axis' own position, where its straightness was measured at the tool; 0, on a line"
+    ),
     **{
         f"c{k}_urad": f"urad, share of the Legendre polynomial of degree {k} in it" for k in DEGREES
     },
     "degree": "number, of the last polynomial that such a rotation is drawn with",
 }
-OPTIONAL = {"known": 1.0, "zero_mm": 0.0, **{f"c{k}_urad": 0.0 for k in DEGREES}, "degree": 5.0}
+OPTIONAL = {
+    "known": 1.0,
+    "zero_mm": 0.0,
+    "of_file": 0.0,
+    **{f"c{k}_urad": 0.0 for k in DEGREES},
+    "degree": 5.0,
+}
 # Beyond 500 mm the tool is not on that carriage, and more of an arm is a rotation that happens to
 # look like something else. Ways of a router turn by 1 mm on 1 m (unverified: usual sizes).
 PLAUSIBLE = {"arm_mm": (-500.0, 500.0), **{f"c{k}_urad": (-1000.0, 1000.0) for k in DEGREES}}
@@ -36,7 +45,7 @@ TEXT = (
     "A rotation of the axis acts on an arm that is not in the model. "
     "State where the axis was measured and how long the tool is; measure at two heights."
 )
-OF_CHAIN, BUT_OWN = 3.0, 4.0  # the arm of a rotation that the tables lack
+OF_FILE, BUT_OWN = 1.0, 2.0
 # rad: by how much a measured rotation is wrong itself (unverified: a usual figure of angular
 # optics)
 ANGLE = 5e-7
@@ -45,17 +54,17 @@ ZEROS = np.linspace(-0.5, 1.5, 21)  # of the travel
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     turns = np.flatnonzero(state.angles.get(axis, np.zeros((3, 1))).any(axis=1))
-    ways = [(float(k), float(a), 1.0, 0.0, 5.0) for k in turns for a in range(3) if a != k]
+    ways = [(float(k), float(a), 1.0, 0.0, 0.0, 5.0) for k in turns for a in range(3) if a != k]
     for other in state.lines.get(axis, ""):
         low, high = state.travel[other]
         arm = XYZ.index(other)
         zeros = [round(float(low + z * (high - low)), 3) for z in ZEROS]
         turn = float(3 - arm - XYZ.index(axis))
-        ways += [(turn, float(arm), 0.0, z, d) for z, d in product(zeros, DRAWN)]
+        ways += [(turn, float(arm), 0.0, z, 0.0, d) for z, d in product(zeros, DRAWN)]
     if axis in state.arms and (state.turned.any() or _on_lines_apart(state, axis)):
-        arms = (OF_CHAIN, BUT_OWN) if axis in state.on_arm else (OF_CHAIN,)
-        ways += [(t, a, 0.0, 0.0, d) for t, a, d in product((0.0, 1.0, 2.0), arms, DRAWN)]
-    names = ("turn", "arm", "known", "zero_mm", "degree")
+        arms = (OF_FILE, BUT_OWN) if axis in state.on_arm else (OF_FILE,)
+        ways += [(t, 0.0, 0.0, 0.0, a, d) for t, a, d in product((0.0, 1.0, 2.0), arms, DRAWN)]
+    names = ("turn", "arm", "known", "zero_mm", "of_file", "degree")
     return [dict(zip(names, way, strict=True)) for way in ways]
 
 
@@ -75,10 +84,11 @@ def columns(
     arm: float,
     known: float = 1.0,
     zero_mm: float = 0.0,
+    of_file: float = 0.0,
     degree: float = 5.0,
 ) -> np.ndarray:
-    if arm in (OF_CHAIN, BUT_OWN):
-        return _missing(state, axis, turn, arm, degree)
+    if of_file:
+        return _missing(state, axis, turn, of_file, degree)
     turned, reach = np.zeros((3, len(state))), np.zeros((3, len(state)))
     reach[int(arm)] = 1.0 if not len(state.turned) else ~state.turned
     if known:
@@ -90,13 +100,13 @@ def columns(
     return along(axis, *(out * legendre(state.share(axis), k) for k in DEGREES[: int(degree)]))
 
 
-def _missing(state: State, axis: str, turn: float, arm: float, degree: float) -> np.ndarray:
+def _missing(state: State, axis: str, turn: float, of_file: float, degree: float) -> np.ndarray:
     """(K, 3, N) mm and rad per urad of a rotation that the tables lack: what the tool does at the
     end of its arm, and what an angular instrument reads."""
     unit = np.zeros((3, len(state)))
     unit[int(turn)] = UM**2
     own = np.zeros_like(unit)
-    if arm == BUT_OWN:
+    if of_file == BUT_OWN:
         own[XYZ.index(axis)] = state.position[axis]
     moved = np.cross(unit, state.arms[axis] - own, axis=0)
     if len(state.turned):
@@ -119,6 +129,7 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     of_map, count = bool(shape["known"]), int(shape["degree"])
     named = {"arm_mm": float(coefficients[0]) if of_map else 0.0}
     named |= {name: shape[name] for name in ("turn", "arm", "known", "zero_mm")}
+    named["of_file"] = shape.get("of_file", 0.0)
     drawn = (
         np.zeros(len(DEGREES))
         if of_map
@@ -137,6 +148,7 @@ def coefficients(
     arm: float,
     known: float = 1.0,
     zero_mm: float = 0.0,
+    of_file: float = 0.0,
     c1_urad: float = 0.0,
     c2_urad: float = 0.0,
     c3_urad: float = 0.0,
@@ -145,7 +157,8 @@ def coefficients(
     degree: float = 5.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     drawn = [c1_urad, c2_urad, c3_urad, c4_urad, c5_urad][: int(degree)]
-    shape = {"turn": turn, "arm": arm, "known": known, "zero_mm": zero_mm, "degree": degree}
+    shape = {"turn": turn, "arm": arm, "known": known, "zero_mm": zero_mm, "of_file": of_file}
+    shape["degree"] = degree
     return np.array([arm_mm] if known else drawn), shape
 
 
@@ -171,12 +184,12 @@ def by_angle(
 def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table]:
     """The table of a rotation that the machine's file lacks, rad; with what takes away its effect
     on the axis' own position, mm, where that is not on the arm."""
-    if named["known"] or named["arm"] not in (OF_CHAIN, BUT_OWN):
+    if not named.get("of_file"):
         return []
     nodes, turned_urad = _drawn(travel, named)
     value, turn = turned_urad * UM**2, int(named["turn"])
     found = [(f"E{'ABC'[turn]}", axis, nodes, value, value)]
-    if named["arm"] == BUT_OWN and turn != XYZ.index(axis):
+    if named["of_file"] == BUT_OWN and turn != XYZ.index(axis):
         across = 3 - turn - XYZ.index(axis)
         own = -_sense(XYZ[across], turn, XYZ.index(axis)) * value * nodes
         found.append((f"E{XYZ[across]}", axis, nodes, own, own))
@@ -193,7 +206,7 @@ def _drawn(travel: tuple[float, float], named: dict[str, float]) -> tuple[np.nda
 def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float) -> list[Grid]:
     """(component, axis, other, nodes, others, values (K, L) mm) of a rotation that nobody
     measured."""
-    if named["known"] or named["arm"] in (OF_CHAIN, BUT_OWN):
+    if named["known"] or named.get("of_file"):
         return []
     other = XYZ[int(named["arm"])]
     nodes, turned_urad = _drawn(travel[axis], named)

@@ -166,7 +166,7 @@ def joined(first: State, second: State) -> State:
             return {k: both(a[k], b[k]) for k in a}
         return np.concatenate([a, b], axis=-1)
 
-    rows = [f.name for f in fields(State) if f.name != "travel"]
+    rows = [f.name for f in fields(State) if f.name not in ("travel", "on_arm")]
     return replace(
         first, **{name: both(getattr(first, name), getattr(second, name)) for name in rows}
     )

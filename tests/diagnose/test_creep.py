@@ -119,3 +119,19 @@ def test_what_lags_by_a_part_of_its_way_slips_too():
     lag = 3.0 * (((place - place[0]) * 1e3 / 20.0) % 1.0)
     found = creep.of(place, lag * 1e-3, speed, np.ones(len(t)))
     assert found is not None and found.ways * 1e3 == pytest.approx(19.3, abs=0.7)
+
+
+@pytest.mark.parametrize("scatter, found", [(0.0, False), (0.2, True), (1.0, False)])
+def test_a_slide_that_creeps_on_while_it_is_held(scatter, found):
+    """Teeth of 4 um over 200 um: of one length they are a wave, of any length noise."""
+    t, place, speed = creeping((2.0,))
+    rng, gone = np.random.default_rng(2), (place - place[0]) * 1e3
+    ways = 200.0 * np.maximum(1 + scatter * rng.standard_normal(400), 0.05)
+    ends = np.r_[0.0, np.cumsum(ways)]
+    k = np.searchsorted(ends, gone, side="right") - 1
+    lag = 4.0 * (gone - ends[k]) / ways[k] + 0.05 * rng.standard_normal(len(t))
+    slips = creep.of(place, lag * 1e-3, speed, np.ones(len(t)))
+    assert (slips is not None) == found
+    if slips is not None:
+        assert slips.ways.mean() * 1e3 == pytest.approx(200.0, rel=0.08)
+        assert slips.scatter == pytest.approx(0.2, abs=0.06)

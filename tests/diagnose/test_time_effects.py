@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from postproc.diagnose import assembly, library, outliers
-from postproc.effects import State, low_pass, structure_drift, tool_wear
+from postproc.effects import State, deviation, low_pass, structure_drift, tool_wear
 
 
 def state(rpm: np.ndarray, gauged: float = 1.0) -> State:
@@ -54,6 +54,18 @@ def test_no_edge_wears_while_the_spindle_stands():
     assert np.allclose(shown, [0.0, 0.2, 0.2, 0.2, 0.4, 0.0])
 
 
+def test_a_tool_that_was_changed_in_the_second_recording():
+    """Parts 1 to 4 in two recordings: 3 um a part, from anew before part 3 of the second one."""
+    part = np.tile(np.arange(1.0, 5.0), 2)
+    channels = {"part": part, "wall": np.ones(8), "bore": np.zeros(8)}
+    both = replace(state(np.zeros(8)), channels=channels, file=np.repeat([0.0, 1.0], 4))
+    assert {(s["file"], s["change"]) for s in tool_wear.shapes(both, "X")} >= {(0, 3), (1, 3)}
+    shown = deviation(
+        tool_wear, both, "X", rate_um=3.0, start_um=0.0, change=3.0, file=1.0, worn_um=1.0
+    )
+    assert shown[0] * 1e3 == pytest.approx([1, 4, 7, 10, 1, 4, 0, 3])
+
+
 def test_wear_is_not_in_what_a_mirror_shows():
     assert not tool_wear.shapes(state(np.full(20, 1500.0), gauged=0.0), "X")
     assert tool_wear.shapes(state(np.full(20, 1500.0)), "X")
@@ -71,7 +83,14 @@ def test_a_tool_only_loses():
     "shape", [{"life": 7.0, "older": 1.0}, {"life": 7.0, "older": 0.0}, {"life": 0.0}]
 )
 def test_wear_names_its_coefficients_and_takes_them_back(shape):
-    shape = {"change": 0.0, "bores": 1.0, "older": 0.0, "cut": 0.0, "every": 0.0} | shape
+    shape = {
+        "change": 0.0,
+        "bores": 1.0,
+        "older": 0.0,
+        "cut": 0.0,
+        "every": 0.0,
+        "file": -1.0,
+    } | shape
     values = np.array([3.0, 1.0, 2.0][: 3 if shape["older"] else 2])
     back, same = tool_wear.coefficients(**tool_wear.parameters(values, shape))
     assert np.array_equal(back, values) and same == shape
