@@ -66,18 +66,13 @@ def of(place: np.ndarray, lag: np.ndarray, velocity: np.ndarray, run: np.ndarray
     key = np.where(creeps, np.sign(velocity), 2.0 * (velocity != 0))
     edges = np.flatnonzero((np.diff(key) != 0) | (np.diff(run) != 0)) + 1
     strokes = list(pairwise([0, *edges.tolist(), len(place)]))
-    way = {a: np.abs(place[a:b] - place[a]) for a, b in strokes if creeps[a]}
-    teeth = {
-        a: one
-        for a, b in strokes
-        if a in way and b - a >= FEWEST_SAMPLES and (one := _sawtooth(lag[a:b], way[a]))
-    }
-    usual = np.median([one.uneven for one in teeth.values()] or [0.0])
-    least = 0.0 if UNEVEN[0] < usual < UNEVEN[1] else STANDS[0]
+    long = [(a, b) for a, b in strokes if creeps[a] and b - a >= FEWEST_SAMPLES]
+    way = {a: np.abs(place[a:b] - place[a]) for a, b in long}
+    teeth = _alike({a: _sawtooth(lag[a:b], way[a]) for a, b in long})
     for a, b in strokes:
         if a and velocity[a] == 0 and run[a] == run[a - 1]:
             since[a:b] = since[a - 1]  # it stays as it stopped
-        if a not in teeth or teeth[a].stands <= least:
+        if a not in teeth:
             continue
         at, height = teeth[a].at, teeth[a].height
         since[a:b] = np.interp(way[a], way[a][at], height)
@@ -98,6 +93,14 @@ class Sawtooth(NamedTuple):
     height: np.ndarray
     stands: float
     uneven: float
+
+
+def _alike(found: dict[int, Sawtooth | None]) -> dict[int, Sawtooth]:
+    """Of the strokes of an axis those with slips: it stands, or lets go after uneven ways."""
+    teeth = {a: one for a, one in found.items() if one}
+    usual = np.median([one.uneven for one in teeth.values()] or [0.0])
+    least = 0.0 if UNEVEN[0] < usual < UNEVEN[1] else STANDS[0]
+    return {a: one for a, one in teeth.items() if one.stands > least}
 
 
 def _sawtooth(lag: np.ndarray, gone: np.ndarray) -> Sawtooth | None:

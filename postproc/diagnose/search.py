@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from postproc.diagnose import abrupt, shapes
+from postproc.diagnose import abrupt, processes, shapes
 from postproc.diagnose.evidence import Fit, On
 from postproc.diagnose.explained import drawn, shares, wandered, white
 from postproc.diagnose.library import found
@@ -42,7 +42,6 @@ class Search:
         self.least = LEAST
         self._looked: set[tuple[int, ...]] = set()
         self._with_process: dict[Key, list[Found]] = {}
-        self._hopeless: set[tuple[tuple[int, ...], tuple[int, str]]] = set()
         self._barred: set[str] = set()  # names whose jumps no readings bear out
         # of fits, by their identity: themselves, and at usual sizes; of these a block's likelier
         # shape: what a search knows that begins again without such a name
@@ -223,32 +222,8 @@ class Search:
     def _processes(self, state: Found) -> list[Found]:
         """Sets with one more process, the most promising ones."""
         if state.key not in self._with_process:
-            self._with_process[state.key] = self._more_processes(state)
+            self._with_process[state.key] = processes.more(self.sets, state, CHILDREN)
         return self._with_process[state.key]
-
-    def _more_processes(self, state: Found) -> list[Found]:
-        state = self.sets.at_own_form(state)
-        tried = [
-            state.fit.on | {(u, kind)}
-            for u, part in enumerate(self.sets.evidence.parts)
-            for kind, columns in part.processes.items()
-            if columns.any()
-            and (u, kind) not in state.fit.on
-            and (state.members, (u, kind)) not in self._hopeless
-        ]
-        worth = [
-            self.sets.evidence.learn(state.fit.chosen, state.fit, on, 1, state.least).value
-            for on in tried
-        ]
-        # what is worth nothing after one step is not worth its cost after three, nor beside more
-        hopeful = [k for k in range(len(tried)) if worth[k] > state.fit.value]
-        self._hopeless |= {
-            (state.members, process)
-            for k in set(range(len(tried))) - set(hopeful)
-            for process in tried[k] - state.fit.on
-        }
-        best = sorted(hopeful, key=lambda k: -worth[k])[:CHILDREN]
-        return [self.sets.of(state.members, tried[k], state) for k in best]
 
     def _settled(self, best: Found) -> Found:
         """Members dropped that are not worth their place, and exchanged for others that are worth

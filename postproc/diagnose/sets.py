@@ -78,6 +78,8 @@ class Sets:
             self.add(some)
         self._open = [_open(part) for part in evidence.parts]
         self.seen: dict[Key, Found] = {}
+        # members, and a process that is worth nothing beside them
+        self.hopeless: set[tuple[tuple[int, ...], tuple[int, str]]] = set()
         self._of_form: dict[int, int] = {}  # terms of an error of form to the member whose it is
 
     @property

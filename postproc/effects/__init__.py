@@ -12,8 +12,8 @@ Every module holds
 - PER: "axis" (one of each moving axis), "pair" (of two axes) or "all" (axis is null); LINE: True
   where it is of no axis on a line along which several move;
 - NEEDS: what must be known of a row: fields of State, "force", channels (T_air_C) that changed;
-  SEES: which signals it can show in: "tool" (an instrument at the tool), "scale" (the axis' own
-  scale or encoder), "part" (features of a part);
+  SEES: which signals it can show in: "tool" (an instrument at the tool), "angle", "scale" (the
+  axis' own scale or encoder), "part" (features of a part);
 - TEXT: what it is and what to do about it;
 - shapes(state, axis) -> list of dicts: the parameters that do not enter linearly, as a grid; [{}]
   where there are none;
@@ -24,21 +24,19 @@ Every module holds
 
 And it may hold
 
-- OPTIONAL: those of PARAMETERS that may be left out, with their value;
-- EXPECTED: a parameter's usual sign; ODD: by which share of its evidence an unusual one is believed
-  less; PLAUSIBLE: its range, beyond which it is something else;
-- special(**shape) -> (name, shape) of the effect that is its special case, tried in its place;
-- sensible(**parameters): False where such parameters are another effect's;
+- OPTIONAL: value of those of PARAMETERS that may be left out; EXPECTED: a parameter's usual sign;
+  PLAUSIBLE: its range, beyond which it is something else;
+- special(**shape) -> (name, shape) of its special case, tried in its place; sensible(**parameters):
+  False where such parameters are another effect's;
 - RESTING: True where its axis is the direction of the error, which need not move itself;
 - LISTED: True of a fault of the data, listed where rows show it: it is simulated, never fitted;
 - ALONG: True where it is along its axis and told by each signal alone: rows that see it are asked;
-- WALLS: True where what goes with time changes what lies between the two walls of a feature;
-- instead(shape) -> True of a shape that is taken only in the place of two effects;
+- WALLS: True where what goes with time changes what lies between two walls; instead(shape) -> True
+  of a shape that is taken only in the place of two effects;
 - fuller(shape, state, axis) -> shapes with more that may come with it, each worth its price;
-- CONTINUOUS: those of the parameters of a shape that have a value between those of the grid, with
-  their range. At 0 or below they mean something else and are not moved;
+- CONTINUOUS: range of parameters of a shape that have values between those of the grid; at 0 or
+  below they mean something else and are not moved;
 - unsure(**parameters) -> mm by which it is wrong at every reading for want of a better driver;
-- beside(shape) -> a simpler shape beside which this one must be worth something; None, no such.
 
 An effect that moves the tool the same way whenever the slides stand in the same place, come from
 the same side, also holds tables(axis, travel, **parameters) -> list of (component, axis, nodes,
@@ -66,17 +64,15 @@ from postproc.records import record
 
 UM = 1e-3  # mm
 XYZ = "XYZ"
-FASTEST = 1000.0  # mm/s
-ENDLESS = 1e6  # mm: a way after which nothing from before is remembered
+FASTEST, ENDLESS = 1000.0, 1e6  # mm/s; mm: a way after which nothing from before is remembered
 DEEPEST = 16  # ways between turns that a drive remembers, one inside the other
-AT_ONCE = 1 << 15  # samples whose waves are worked out at once: they stay near the processor
+AT_ONCE = 1 << 15  # samples whose waves are worked out at once
 SETTLES = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)  # ms: position gains of 500 to 16 per s
 # component, axis, nodes mm, mm towards plus and minus
 Table = tuple[str, str, np.ndarray, np.ndarray, np.ndarray]
 # component, axis, other, nodes and others mm, values (K, L) mm
 Grid = tuple[str, str, str, np.ndarray, np.ndarray, np.ndarray]
-# "0, 1, 2: X, Y, Z", "1, it is so; 0, it is not"
-CHOICE = re.compile(r"number|\d or \d|\d, .*(; |: )")
+CHOICE = re.compile(r"number|\d or \d|\d, .*(; |: )")  # "0, 1, 2: X, Y, Z"; "1, so; 0, not"
 
 
 @record
@@ -87,16 +83,15 @@ class State:
     that axis turned back last): axis to (N,). travel: axis to (low, high) mm. time (N,) s. run
     (N,): which passage. channels: name to (N,), as recorded: T_screw_X_C, force_X_N, load_X_N,
     spindle_rpm. angles: axis to (3, N) rad, the measured rotations of that axis; arms: axis to
-    (3, N) mm, on which its rotations act; on_arm: axes whose own position is part of their arm;
-    turned (N,) bool: rows that read an angle. beam (N,) mm:
-    length of a laser's beam beyond its zero. passage (N,): number of the unbroken sampled motion
-    that a row belongs to, -1 for rows at rest; file (N,): number of the recording. width (N,) s:
-    over which samples were averaged to a row. inside: axis, or "time", to (W, N) mm or s: where, or
-    when, the samples of a row were taken, NaN beyond their number. lines: axis to the other axes
-    across which readings along it were taken on lines that lie apart. path: axis to (M, N) mm, the
-    ways between turns that its drive still remembers, see reversal_memory(). slipped: axis to (N,)
-    mm, the way that a creeping slide was driven on since it slipped last, as it stopped while it
-    rests; NaN where no slips were seen.
+    (3, N) mm, on which they act; on_arm: axes whose own position is on their arm; turned (N,) bool:
+    rows that read an angle. beam (N,) mm: length of a laser's beam beyond its zero. passage (N,):
+    number of the unbroken sampled motion that a row belongs to, -1 at rest; file (N,): number of
+    the recording. width (N,) s: over which samples were averaged to a row. inside: axis, or "time",
+    to (W, N) mm or s: where, or when, the samples of a row were taken, NaN beyond their number.
+    lines: axis to the other axes across which readings along it were taken on lines that lie apart.
+    path: axis to (M, N) mm, the ways between turns that its drive still remembers, see
+    reversal_memory(). slipped: axis to (N,) mm, the way that a creeping slide was driven on since
+    it slipped last, as it stopped while it rests; NaN where no slips were seen.
     """
 
     position: dict[str, np.ndarray]

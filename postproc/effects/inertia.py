@@ -19,7 +19,6 @@ CONTINUOUS = {"settle_ms": (0.5, 250.0)}
 # velocity gains: 2 um at 10 and 50 per s, which is a slow one.
 PLAUSIBLE = {"um_per_mm_s2": (-2.0, 2.0)}  # beyond, it is something else
 EXPECTED = {"um_per_mm_s2": -1}
-ODD = 0.05  # a slide that leads its drive is seldom
 fuller = settling
 KIND, USE, PER = "machine", "simulate", "axis"
 ALONG = True

@@ -10,8 +10,8 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from postproc.diagnose import processes, shapes
 from postproc.diagnose import search as search_module
-from postproc.diagnose import shapes
 from postproc.diagnose.block import Block
 from postproc.diagnose.search import Search
 from postproc.diagnose.sets import Found, Sets
@@ -121,11 +121,11 @@ def test_what_may_stand_beside_a_member(one, other, allowed):
 def test_a_process_that_is_worth_nothing_after_one_step_is_not_learned_to_the_end():
     """Of three kinds two promise something, of which the second more."""
     promised = {"place": 3.0, "turn": 0.0, "drift": 40.0}
-    processes = {kind: np.ones(1, bool) for kind in promised}
+    kinds = {kind: np.ones(1, bool) for kind in promised}
 
     class Promising(Scored):
         evidence = SimpleNamespace(
-            parts=[SimpleNamespace(processes=processes)],
+            parts=[SimpleNamespace(processes=kinds)],
             learn=lambda chosen, fit, on, steps, least: SimpleNamespace(
                 value=fit.value + sum(promised[kind] for _, kind in on)
             ),
@@ -135,9 +135,13 @@ def test_a_process_that_is_worth_nothing_after_one_step_is_not_learned_to_the_en
             return on
 
     fit = cast(Any, SimpleNamespace(on=frozenset(), members=(), chosen=(), value=-7.0))
-    search = Search(cast(Any, Promising({}, set())))
-    found = search._more_processes(Found(fit, 0.0, np.zeros(1)))
+    sets = cast(Any, Promising({}, set()))
+    sets.hopeless = set()
+    found = processes.more(sets, Found(fit, 0.0, np.zeros(1)), 5)
     assert found == [frozenset({(0, "drift")}), frozenset({(0, "place")})]
+    assert sets.hopeless == {((), (0, "turn"))}
+    sets.hopeless.add(((), (0, "place")))
+    assert processes.more(sets, Found(fit, 0.0, np.zeros(1)), 5) == [frozenset({(0, "drift")})]
 
 
 def test_a_search_that_begins_again_does_not_look_for_the_same_shapes_again(monkeypatch):

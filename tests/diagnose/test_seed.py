@@ -118,9 +118,16 @@ def test_the_slip_at_90_is_the_only_bad_reading(told, paths):
 
 
 def test_abbe_of_z_is_a_trap(told, grinder):
-    assert "Z" in grinder.rows.state.angles  # it could have been named
-    assert not [key for key in effects(told) if key.startswith("abbe")]
-    assert not [e for e in effects(told).values() if "abbe:Z" in e["equivalent"]]
+    """The machine was given no yaw of Z, and the reading of it is named as what it is, some urad;
+    nothing else is told by it."""
+    assert "Z" in grinder.rows.state.angles
+    named = effects(told)
+    assert [key for key in named if key.startswith("abbe")] == ["abbe:Z"]
+    value = {name: p["value"] for name, p in named["abbe:Z"]["parameters"].items()}
+    assert (value["turn"], value["of_file"]) == (1, 1)
+    assert value["c1_urad"] == approx(-4.7, abs=0.5) and abs(value["c2_urad"]) < 2.5
+    assert named["abbe:Z"]["rms_explained_um"] < named["shared_jump:X"]["rms_explained_um"] / 5
+    assert not [e for e in named.values() if "abbe:Z" in e["equivalent"]]
 
 
 def test_nothing_is_said_of_times_that_were_not_recorded(told):
