@@ -14,7 +14,7 @@ commit `3eaefd253c` were looked at one by one after their trial, so it is fresh 
 `sealed`, bears numbers too; its cases of commit `251846cf0d` were looked at after their trial; a
 fifth, `unseen`, bears numbers too and was looked at after five trials; `later`, `apart` and
 `distant` bear numbers and draw nothing from the open kinds; `later` was looked at after eleven
-trials, in cases of other seeds.
+trials and `apart` after four, in cases of other seeds.
 The seed of a tier is SHA-256 of the freeze commit, "strangers" and the tier; the truth's salted
 hash is laid down before the tool is run, that of the answers before the truth is opened. Follow-up
 recordings and the loop are not part of it (see proof.trial).

@@ -17,6 +17,7 @@ from postproc.recordings import Recording
 # of the squares of a force, what the drive's terms leave of the halves that took no part in their
 # fit: more is cutting or drift (real slides and mills: 0.001 to 0.37)
 ANOTHER = 0.5
+UNEVEN, MEAN = "friction_asymmetry:", "coulomb_friction:"
 
 
 @dataclass
@@ -80,8 +81,10 @@ class Diagnosis:
 def felt(d: Diagnosis) -> Iterator[tuple[drive.Drive, drive.Fitted]]:
     """What forces and currents show of the effects that the contract knows, where neither the
     positions say it already nor a delay of the force would; of a force that is for the most part
-    another than the drive's, nothing."""
+    another than the drive's, nothing. Friction that differs with the direction has a mean, which is
+    no friction beside it."""
     said = {f.block.key for f in d.findings if f.status == "accepted"}
+    said |= {key.replace(UNEVEN, MEAN) for key in said if key.startswith(UNEVEN)}
     for one in d.drives:
         for term in one.fitted if one.after**2 < ANOTHER * one.raw**2 else ():
             key = f"{term.term.name}:{one.axis}"

@@ -8,10 +8,10 @@ of an angle is the rotation vector along `sensitive` (keys X, Y, Z).  Parts are 
 map is zero; they have no free zero.  See the module docstrings for sources.
 
 Families of kinds: open, held (drawn in sealed trials, known by name from one), fresh (numbered;
-opened by a trial), sealed, unseen and later (numbered; opened by trials), apart and distant
-(numbered; their trials show figures alone).  Cases of the last three draw forms, noises, aliens and
+opened by a trial), sealed, unseen, later and apart (numbered; opened by trials) and distant
+(numbered; its trials show figures alone).  Cases of the last three draw forms, noises, aliens and
 plans from their own family alone.  Who works on the tool that is judged runs no case of the last
-two, and reads neither the modules apart_*.py and distant_*.py nor their tests.
+one, and reads neither the modules distant_*.py nor their tests.
 """
 
 from .base import Case

@@ -1,7 +1,7 @@
 """Register of textbook forms: effect name -> list of (form, family, function).
 
 Eight families of kinds: "open" to development; "held" back from it, until a trial has shown them;
-"fresh", "sealed", "unseen" and "later", whose cases were looked at after trials; "apart" and
+"fresh", "sealed", "unseen", "later" and "apart", whose cases were looked at after trials;
 "distant", of which trials show figures alone. A case draws from its own family and from the open
 one; one of the last three draws its forms, noises, aliens and plans from its own alone (what rounds
 a reading, a gross error and the tests of the tier "blind" are the frame's). Forms, noises and

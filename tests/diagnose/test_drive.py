@@ -35,6 +35,17 @@ def test_a_force_that_is_mostly_another_one_names_nothing(after, named):
     assert found == ([(one, term)] if named else [])
 
 
+@pytest.mark.parametrize(
+    ("said", "named"),
+    [("friction_asymmetry:Y", False), ("friction_asymmetry:X", True), ("windup:Y", True)],
+)
+def test_the_mean_of_a_friction_that_differs_with_the_direction_is_no_other_friction(said, named):
+    term = SimpleNamespace(term=SimpleNamespace(name="coulomb_friction"), delayed=False)
+    one = SimpleNamespace(axis="Y", fitted=(term,), raw=1.0, after=0.1)
+    finding = SimpleNamespace(block=SimpleNamespace(key=said), status="accepted")
+    assert bool(list(answer.felt(SimpleNamespace(findings=[finding], drives=[one])))) == named
+
+
 def circle(turns_per_s: list[float], friction: float) -> recordings.Recording:
     """The current of 30 A per m/s2 behind a motor filter of 0.5 ms, and viscous friction of so many
     A per m/s, over 4 s at each speed of a circle of 50 mm, 500 Hz."""
