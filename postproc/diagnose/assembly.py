@@ -96,7 +96,7 @@ def _joined(
     state = replace(
         state,
         lines=_lines(parts, state, direction),
-        arms={x: machine.arm_at(x, position) for x in letters},
+        arms={x: machine.arm_at(x, position) for x in letters if not machine.chain.rotary},
         on_arm="".join(x for x in letters if machine.on_own_arm(x)),
         turned=sees == "angle",
     )

@@ -124,7 +124,8 @@ def _half_widths(f: Finding) -> dict[str, float]:
 def _range(d: Diagnosis, f: Finding) -> tuple[float, float] | None:
     """mm: from where to where of its axis readings told an effect that is a curve over it."""
     module = f.block.module
-    if not hasattr(module, "tables") or "degree" not in module.PARAMETERS:
+    curve = hasattr(module, "tables") or hasattr(module, "arm_tables")
+    if not curve or "degree" not in module.PARAMETERS:
         return None  # a line, a gap, a wave go on as they are
     moving = module.moving(f.block.axis, **f.value) if module.PER == "pair" else f.block.axis
     informative = np.any(f.block.columns != 0, axis=1) & ~d.held

@@ -140,6 +140,7 @@ def second_place(rows: Rows, which: np.ndarray) -> State:
         inside=inside,
         approach={x: -a for x, a in there.approach.items()},
         path={x: -ways for x, ways in there.path.items()},
+        arms={},
     )
 
 

@@ -36,7 +36,7 @@ def spots(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
                     )
                 )
                 continue
-            if name == "abbe" and _on_one_line(rows, axis):
+            if name == "abbe" and _on_one_line(rows, axis) and (name, axis) not in seen:
                 why = (
                     f"all readings along {axis} stand on one line: a rotation of {axis} looks like"
                     " an error of its position there"

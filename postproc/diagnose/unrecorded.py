@@ -61,9 +61,7 @@ def names(rows: Rows, block: Block, contribution: np.ndarray) -> list[str]:
         for axis in [""] if module.PER == "all" else list(block.axis)[:1]:
             known = rows.state.channel(*(c.format(axis) for c in DRIVERS.get(name, ())))
             missing = not library.needed(rows, module, axis) or (name in DRIVERS and known is None)
-            missing |= (
-                name == "abbe" and axis not in rows.state.angles and not rows.state.lines.get(axis)
-            )
+            missing |= name == "abbe" and not module.shapes(rows.state, axis)
             if name != block.name and missing:
                 result.append(f"{name}:{axis}")
     if dict(block.shape).get("warm"):  # what was there from the first reading on may be no heat

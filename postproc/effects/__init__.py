@@ -18,7 +18,7 @@ Every module holds
 - shapes(state, axis) -> list of dicts: the parameters that do not enter linearly, as a grid; [{}]
   where there are none;
 - columns(state, axis, **shape) -> (K, 3, N) mm of deviation at the tool (actual - commanded) for
-  unit coefficients of 1 um; of instruments (K, N) mm of the reading;
+  unit coefficients of 1 um (rad where state.turned); of instruments (K, N) mm of the reading;
 - parameters(coefficients, shape) -> named parameters of a fit, and coefficients(**parameters) ->
   (K,), shape: its inverse.
 
@@ -28,23 +28,24 @@ And it may hold
   PLAUSIBLE: its range, beyond which it is something else;
 - special(**shape) -> (name, shape) of its special case, tried in its place; sensible(**parameters):
   False where such parameters are another effect's;
-- RESTING: True where its axis is the direction of the error, which need not move itself;
-- LISTED: True of a fault of the data, listed where rows show it: it is simulated, never fitted;
-- ALONG: True where it is along its axis and told by each signal alone: rows that see it are asked;
+- RESTING: True where its axis is the direction of the error, which need not move itself; LISTED:
+  True of a fault of the data, listed where rows show it: simulated, never fitted;
+- ALONG: True where it is along its axis and told by each signal alone;
 - WALLS: True where what goes with time changes what lies between two walls; instead(shape) -> True
   of a shape that is taken only in the place of two effects;
 - fuller(shape, state, axis) -> shapes with more that may come with it, each worth its price;
+- further_cost(axis, shape) -> twice the logarithm of how much seldomer it is than its kin;
 - CONTINUOUS: range of parameters of a shape that have values between those of the grid; at 0 or
   below they mean something else and are not moved;
-- unsure(**parameters) -> mm by which it is wrong at every reading for want of a better driver;
+- unsure(**parameters) -> mm by which it is wrong at every reading for want of a better driver.
 
 An effect that moves the tool the same way whenever the slides stand in the same place, come from
 the same side, also holds tables(axis, travel, **parameters) -> list of (component, axis, nodes,
-forward, reverse): what a compensator applies; where a second axis matters too grids(axis, travel of
-every axis, **parameters) -> list of (component, axis, other, nodes, others, values (K, L)); where
-it lives on the rotations that the machine's file holds by_angle(axis, nodes, forward, reverse,
-**parameters), as tables(). ramp_mm(**parameters): over which travel after a turn its reversal is to
-be taken up, where that is not at once.
+forward, reverse), mm: what a compensator applies; where a second axis matters too grids(axis,
+travel of every axis, **parameters) -> list of (component, axis, other, nodes, others, values (K,
+L)); where it lives on the rotations of the machine's file by_angle(axis, nodes, forward, reverse,
+**parameters), as tables(), where on its arms arm_tables(axis, travel, measured, **parameters), rad
+for EA EB EC. ramp_mm(**parameters): the travel after a turn over which its reversal is taken up.
 """
 
 from __future__ import annotations
@@ -65,10 +66,9 @@ from postproc.records import record
 UM = 1e-3  # mm
 XYZ = "XYZ"
 FASTEST, ENDLESS = 1000.0, 1e6  # mm/s; mm: a way after which nothing from before is remembered
-DEEPEST = 16  # ways between turns that a drive remembers, one inside the other
-AT_ONCE = 1 << 15  # samples whose waves are worked out at once
+DEEPEST, AT_ONCE = 16, 1 << 15  # ways that a drive remembers; samples worked out at once
 SETTLES = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)  # ms: position gains of 500 to 16 per s
-# component, axis, nodes mm, mm towards plus and minus
+# component, axis, nodes mm, mm (rad of EA EB EC) towards plus and minus
 Table = tuple[str, str, np.ndarray, np.ndarray, np.ndarray]
 # component, axis, other, nodes and others mm, values (K, L) mm
 Grid = tuple[str, str, str, np.ndarray, np.ndarray, np.ndarray]

@@ -42,8 +42,9 @@ PLAUSIBLE = {"arm_mm": (-500.0, 500.0), **{f"c{k}_urad": (-1000.0, 1000.0) for k
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool", "angle")
 TEXT = (
-    "A rotation of the axis acts on an arm that is not in the model. "
-    "State where the axis was measured and how long the tool is; measure at two heights."
+    "A rotation of the axis, or its arm, is not in the model. Write a measured angle into the axis'"
+    " table (EBX and so on), state where it was measured and how long the tool is; measure at two"
+    " heights."
 )
 OF_FILE, BUT_OWN = 1.0, 2.0
 # twice the logarithm of how much seldomer a rotation is left out than an error of position or a
@@ -111,6 +112,8 @@ def columns(
 def _missing(state: State, axis: str, turn: float, of_file: float, degree: float) -> np.ndarray:
     """(K, 3, N) mm and rad per urad of a rotation that the tables lack: what the tool does at the
     end of its arm, and what an angular instrument reads."""
+    if axis not in state.arms:
+        raise KeyError(f"the arm of {axis}")
     unit = np.zeros((3, len(state)))
     unit[int(turn)] = UM**2
     own = np.zeros_like(unit)
@@ -189,12 +192,15 @@ def by_angle(
     ]
 
 
-def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table]:
+def arm_tables(
+    axis: str, travel: tuple[float, float], measured: tuple[float, float] | None, **named: float
+) -> list[Table]:
     """The table of a rotation that the machine's file lacks, rad; with what takes away its effect
-    on the axis' own position, mm, where that is not on the arm."""
+    on the axis' own position, mm, where that is not on the arm. measured mm: beyond, the rotation
+    stays what it was there."""
     if not named.get("of_file"):
         return []
-    nodes, turned_urad = _drawn(travel, named)
+    nodes, turned_urad = _drawn(travel, named, measured or travel)
     value, turn = turned_urad * UM**2, int(named["turn"])
     found = [(f"E{'ABC'[turn]}", axis, nodes, value, value)]
     if named["of_file"] == BUT_OWN and turn != XYZ.index(axis):
@@ -204,10 +210,12 @@ def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table
     return found
 
 
-def _drawn(travel: tuple[float, float], named: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
+def _drawn(
+    travel: tuple[float, float], named: dict[str, float], measured: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray]:
     """Nodes (K,) mm over a travel, and the rotation (K,) urad at them."""
-    nodes = np.linspace(*travel, NODES)
-    u = 2 * (nodes - travel[0]) / (travel[1] - travel[0]) - 1
+    nodes = np.union1d(np.linspace(*travel, NODES), np.clip(measured, *travel))
+    u = 2 * (np.clip(nodes, *measured) - travel[0]) / (travel[1] - travel[0]) - 1
     return nodes, sum((named[f"c{k}_urad"] * legendre(u, k) for k in DEGREES), np.zeros(len(u)))
 
 
@@ -217,7 +225,7 @@ def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float) -> 
     if named["known"] or named.get("of_file"):
         return []
     other = XYZ[int(named["arm"])]
-    nodes, turned_urad = _drawn(travel[axis], named)
+    nodes, turned_urad = _drawn(travel[axis], named, travel[axis])
     others = np.array(travel[other])
     value = (
         turned_urad[:, None]

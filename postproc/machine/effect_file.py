@@ -59,9 +59,8 @@ def term(
     """An effect with the tables that it adds to a machine with these axes; its U is not stated.
     measured mm: where it was read."""
     module = effects.load(name)
-    found = _applied(module, axis, axes, parameters)
-    tables = tuple(_held(t, measured) for t in found[0])
-    return EffectTerm(name, axis, parameters, module, tables, found[1], measured=measured)
+    tables, grids = _applied(module, axis, axes, parameters, measured)
+    return EffectTerm(name, axis, parameters, module, tables, grids, measured=measured)
 
 
 def _effect_axis(entry: Section, module: ModuleType, axes: dict[str, Axis]) -> str:
@@ -91,14 +90,14 @@ def _spread(entry: Section, term: EffectTerm, axes: dict[str, Axis], name: str) 
         there = term.parameters | {name: term.parameters[name] + 2 * share * u}
         try:
             with np.errstate(all="raise"):
-                found = _applied(term.module, term.axis, axes, there)
+                found = _applied(term.module, term.axis, axes, there, term.measured)
         except (ArithmeticError, ValueError):
             raise entry.fault(
                 key,
                 f"{key} = {u:g}: effect {term.name} has no meaning at {name} = {there[name]:g}",
                 "U (95 %) must leave the parameter what it is",
             ) from None
-        ends += [_times(_held(table, term.measured), share) for table in found[0]]
+        ends += [_times(table, share) for table in found[0]]
         grids += [_times(grid, share) for grid in found[1]]
     return EffectTerm(name, term.axis, {name: u}, None, tuple(ends), tuple(grids))
 
@@ -130,23 +129,34 @@ def _times(table: Table, share: float) -> Table:
     return replace(table, forward=share * table.forward, reverse=share * table.reverse)
 
 
+def _table(
+    component: str, letter: str, nodes: np.ndarray, forward: np.ndarray, reverse: np.ndarray
+) -> AxisTable:
+    both = np.zeros((2, 6, len(nodes)))
+    both[:, COMPONENTS.index(component)] = forward, reverse
+    return AxisTable(letter, nodes, both[0], both[1])
+
+
 def _applied(
-    module: Any, axis: str, axes: dict[str, Axis], parameters: dict[str, float]
+    module: Any,
+    axis: str,
+    axes: dict[str, Axis],
+    parameters: dict[str, float],
+    measured: tuple[float, float] | None,
 ) -> tuple[tuple[AxisTable, ...], tuple[GridTable, ...]]:
-    """What an effect adds where the slides stand, for a compensator."""
+    """What an effect adds where the slides stand, for a compensator; its tables stay, beyond what
+    was measured, what they were there."""
     if module.USE != "compensate":
         return (), ()
-    rows = []
+    rows, own = [], []
     if hasattr(module, "tables"):
         moving = module.moving(axis, **parameters) if module.PER == "pair" else axis
         rows += module.tables(axis, axes[moving].travel, **parameters)
+    if hasattr(module, "arm_tables"):
+        own += module.arm_tables(axis, axes[axis].travel, measured, **parameters)
     if hasattr(module, "by_angle") and (map_ := axes[axis].table) is not None:
         rows += module.by_angle(axis, map_.nodes, map_.forward[3:], map_.reverse[3:], **parameters)
-    tables = []
-    for component, letter, nodes, forward, reverse in rows:
-        both = np.zeros((2, 6, len(nodes)))
-        both[:, COMPONENTS.index(component)] = forward, reverse
-        tables.append(AxisTable(letter, nodes, both[0], both[1]))
+    tables = [_held(_table(*row), measured) for row in rows] + [_table(*row) for row in own]
     grids = []
     if hasattr(module, "grids"):
         travel = {x: a.travel for x, a in axes.items()}

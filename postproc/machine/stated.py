@@ -253,8 +253,9 @@ class Stated:
     @cached_property
     def turns(self) -> bool:
         """Whether any axis has a rotation, so that the tool's length matters."""
-        tables = [t for axis in self.axes.values() for t in axis.tables]
-        return bool(self.chain.rotary) or any(row >= 3 for t in tables for row in t.rows)
+        rows = [row for axis in self.axes.values() for t in axis.tables for row in t.rows]
+        rows += [row for e in self.effects for t in (*e.tables, *e.grids) for row in t.rows]
+        return bool(self.chain.rotary) or any(row >= 3 for row in rows)
 
     @cached_property
     def measured(self) -> dict[str, np.ndarray]:
@@ -271,7 +272,7 @@ class Stated:
 
     def arm_at(self, letter: str, position: Mapping[str, np.ndarray]) -> np.ndarray:
         """(3, N) mm: on what the rotations of an axis act, at positions of the slides, axis to (N,)
-        mm; those that are not told stand at zero."""
+        mm; those that are not told stand at zero. Rotary axes are not followed."""
         n = len(next(iter(position.values())))
         return np.stack(
             [

@@ -109,9 +109,17 @@ class Timeline:
             channels=self._channels(time, own, run, slides), angles=self._angles(place, own, rows),
             beam=np.zeros(len(time)), passage=run - 1.0 if sampled else np.full(len(time), -1.0),
             file=np.zeros(len(time)),
-            arms={x: self.machine.arm_at(x, _by_axis(rows, place)) for x in slides},
+            turned=np.zeros(len(time), bool), arms=self._arms(place, own, rows, slides),
             on_arm="".join(x for x in slides if self.machine.on_own_arm(x)),
         )  # fmt: skip
+
+    def _arms(self, place, piece, rows, slides) -> dict[str, np.ndarray]:
+        """On what the rotations of each axis act, with the tool in use; rotary axes are not
+        followed."""
+        if self.machine.chain.rotary:
+            return {}
+        at, length = _by_axis(rows, place), self.tool(piece)
+        return {x: self.machine.arm_at(x, at) - length for x in slides}
 
     def _channels(self, time, piece, run, slides) -> dict[str, np.ndarray]:
         warm, step = self.warmth, self.path.step[piece]

@@ -48,6 +48,7 @@ def test_an_angle_that_the_file_lacks_is_named_where_it_is_read(tmp_path):
     )
     answer = diagnosed(tmp_path, angle, place, machine=MACHINE + TOOL)
     assert "abbe:X" in names(answer) and answer["unknown"] is None
+    assert "abbe" not in {e["effect"] for e in answer["not_visible"]}
     (found,) = (e["parameters"] for e in answer["effects"] if e["effect"] == "abbe")
     assert (found["turn"]["value"], found["known"]["value"]) == (1, 0)
     assert found["c1_urad"]["value"] == pytest.approx(15.0, abs=0.5)
@@ -131,3 +132,81 @@ def test_a_simulated_machine_has_that_rotation(tmp_path):
     at = head.split(",").index("reading_um")
     first, last = (float(row.split(",")[at]) for row in rows)
     assert last - first == pytest.approx(-390e-3 * 40 * 2 * 580 / 600, abs=0.02)
+
+
+def machine_of(folder, *, of_file: int = 1, turn: int = 1, c1: float = 200.0, more: str = ""):
+    """A machine whose X turns by c1 urad at either end, as an effect."""
+    folder.mkdir(exist_ok=True)
+    section = (
+        f'[[effect]]\nname = "abbe"\naxis = "X"\nknown = 0\nturn = {turn}\narm = 0\n'
+        f"of_file = {of_file}\narm_mm = 0\nc1_urad = {c1}\ndegree = 1\n{more}"
+    )
+    (folder / "machine.toml").write_text(MACHINE + section)
+    return folder
+
+
+def table_of(folder):
+    """The same machine with a table of that rotation about Y."""
+    folder.mkdir()
+    (folder / "X.csv").write_text("X_mm,EBX_urad\n0,-200\n600,200\n")
+    text = MACHINE.replace("[axes.X]\n", '[axes.X]\ntable = "X.csv"\n')
+    (folder / "machine.toml").write_text(text)
+    return folder
+
+
+def test_a_program_with_a_tool_is_corrected_as_by_a_table_of_the_rotation(tmp_path):
+    """G43.1 Z120: the tip lies 120 mm below, 24 um to either side of the middle of X."""
+    text = "G21 G90 G94\nG43.1 Z120\nG1 X10 Y10 Z-130 F1000\nX590\nM2\n"
+    (tmp_path / "p.nc").write_text(text)
+    made = []
+    for folder in (machine_of(tmp_path / "e"), table_of(tmp_path / "t")):
+        words = [str(tmp_path / "p.nc"), "--machine", str(folder), "-o", str(folder / "o.nc")]
+        assert main([*words, "--quiet"]) == 0
+        lines = (folder / "o.nc").read_text().splitlines()
+        made.append([line for line in lines if line.startswith(("G1", "X"))])
+    ends = [(moves[0], moves[-1]) for moves in made]
+    assert ends[0] == ends[1] and ends[0][1].startswith("X590.025")
+
+
+@pytest.mark.parametrize("of_file", [1, 2])
+def test_beyond_what_was_measured_the_angle_stays(tmp_path, of_file):
+    """40 urad about Z at the ends of X, read from 100 to 300 mm: 2/3 and 0 of -40 beyond; at Y0 Z0
+    X itself is the arm, or nothing is."""
+    more = "measured_mm = [100.0, 300.0]\n"
+    folder = machine_of(tmp_path / "m", of_file=of_file, turn=2, c1=40.0, more=more)
+    x = np.array([0.0, 100.0, 200.0, 300.0, 450.0, 600.0])
+    place = np.stack([x, 0 * x, 0 * x])
+    shown = read_machine(folder).deviation(place, np.ones_like(place))
+    angle = 40e-6 * (np.clip(x, 100, 300) / 300 - 1)
+    assert shown[1] == pytest.approx(angle * x * (of_file == 1), abs=2e-5)
+    assert shown[0] == pytest.approx(0 * x, abs=1e-9)
+
+
+@pytest.mark.parametrize("instrument", ["angle", "laser"])
+def test_what_is_simulated_is_nothing_left_out_to_the_same_machine(tmp_path, instrument):
+    """With a tool of 120 mm: what the instrument reads, by the effect and by the table."""
+    places = "\n".join(f"X{x:g}\nG4 P3" for x in np.linspace(10, 590, 13))
+    (tmp_path / "p.nc").write_text(f"G21 G90 G94\nG43.1 Z120\nG1 Y10 Z-130 F3000\n{places}\nM2\n")
+    read = []
+    for folder in (machine_of(tmp_path / "e"), table_of(tmp_path / "t")):
+        out = folder / "r.csv"
+        words = ["simulate", str(tmp_path / "p.nc"), "--machine", str(folder), "-o", str(out)]
+        assert main([*words, "--instrument", instrument, "--noise", "0", "--quiet"]) == 0
+        head, *rows = (line for line in out.read_text().splitlines() if line[0] != "#")
+        at = next(k for k, name in enumerate(head.split(",")) if name.startswith("reading"))
+        read.append([float(row.split(",")[at]) for row in rows])
+    assert read[0] == pytest.approx(read[1], abs=0.02)
+    assert np.ptp(read[0]) == pytest.approx({"angle": 387, "laser": 46}[instrument], rel=0.1)
+
+
+def test_a_head_that_turns_has_no_arms_of_that_kind(tmp_path):
+    """Simulating says so; nothing is guessed."""
+    folder = machine_of(tmp_path / "m")
+    text = (folder / "machine.toml").read_text()
+    text = text.replace("w-X-b-Y-Z-t", "w-X-b-Y-Z-B-t")
+    (folder / "machine.toml").write_text(
+        text + "[axes.B]\ntravel = [-100.0, 100.0]\nleast_increment = 0.001\n"
+    )
+    (tmp_path / "p.nc").write_text("G21 G90 G1 X10 Y10 Z-10 F2000\nG4 P3\nX590\nG4 P3\n")
+    words = ["simulate", str(tmp_path / "p.nc"), "--machine", str(folder), "--instrument", "laser"]
+    assert main([*words, "-o", str(tmp_path / "r.csv"), "--quiet"]) == 2

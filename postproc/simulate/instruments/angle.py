@@ -1,10 +1,12 @@
 """Angular optics or a level: rotation of the axis that travels, about a direction, captured at
 rest.
 
-The rotation is the one of that axis' table; no effect of the library turns an axis.
+The rotation is the one of that axis' table, and what effects turn it by.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,6 +35,8 @@ def measure(reality: Reality, settings: Settings) -> Signal:
         raise UsageError("--set about names no direction", "--set about=Y")
     vector /= np.linalg.norm(vector)
     turned = found.state.angles.get(moving, np.zeros((3, len(found.piece))))
+    angular = replace(found.state, turned=np.ones(len(found.piece), bool))
+    turned = turned + reality.error(angular, ("angle",), found.piece, tables=False)
     columns = found.columns()
     columns["reading_urad"] = vector @ turned * 1e6
     head = {
