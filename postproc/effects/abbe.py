@@ -15,14 +15,15 @@ DEGREES, DRAWN = (1, 2, 3, 4, 5), (1.0, 3.0, 5.0)
 NODES = 161
 APART = 1.0  # mm
 PARAMETERS = {
-    "arm_mm": "mm, the arm that was left out of a measured rotation",
     "turn": "0, 1, 2: A, B, C, the rotation",
     "arm": "0, 1, 2: X, Y, Z, the direction of the arm",
-    "known": "1, the rotation is that of the machine's file; 0, it was not measured",
-    "zero_mm": "mm, where on the axis along the arm a rotation that was not measured does nothing",
+    "arm_mm": "mm, the arm that was left out of a measured rotation",
+    "known": "1, the rotation is that of the machine's file; 0, the machine's file lacks it",
+    "zero_mm": "mm, where on the axis along the arm a rotation that the file lacks does nothing",
     "of_file": (
-        "1, a rotation that was not measured acts on the arms of the machine's file; 2, so, without"
-        " the axis' own position, where its straightness was measured at the tool; 0, on a line"
+        "1, it acts on all arms that the machine's file has; 2, it acts on all arms that the"
+        " machine's file has but the axis' own position, as where straightness was measured at the"
+        " tool; 0, it acts on one arm"
     ),
     **{
         f"c{k}_urad": f"urad, share of the Legendre polynomial of degree {k} in it" for k in DEGREES
@@ -30,6 +31,7 @@ PARAMETERS = {
     "degree": "number, of the last polynomial that such a rotation is drawn with",
 }
 OPTIONAL = {
+    "arm_mm": 0.0,
     "known": 1.0,
     "zero_mm": 0.0,
     "of_file": 0.0,
@@ -130,7 +132,7 @@ def _sense(axis: str, turn: float, arm: float) -> float:
     return float(np.cross(np.eye(3)[int(turn)], np.eye(3)[int(arm)])[XYZ.index(axis)])
 
 
-def unsure(arm_mm: float, **named: float) -> float:
+def unsure(arm_mm: float = 0.0, **named: float) -> float:
     """mm, what its driver's own uncertainty makes of it: that of a measured rotation, with the
     arm."""
     return abs(arm_mm) * ANGLE
@@ -154,9 +156,9 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
 
 
 def coefficients(
-    arm_mm: float,
     turn: float,
     arm: float,
+    arm_mm: float = 0.0,
     known: float = 1.0,
     zero_mm: float = 0.0,
     of_file: float = 0.0,
