@@ -4,11 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import subprocess
-import sys
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,8 +23,7 @@ from proof.textbook.tiers import LEAST, LEAST_ALIEN, SIZES, build, hide
 from proof.textbook.trial import judgeable
 from proof.textbook.visible import visibility
 from proof.worlds import write
-
-ROOT = Path(__file__).resolve().parents[2]
+from tests.proof.digests import elsewhere
 
 made = lru_cache(None)(make)  # the cases of one seed, which several tests ask for
 
@@ -97,17 +92,8 @@ def digest(seed):
 
 
 def test_the_same_seed_makes_the_same_bytes():
-    """In another process, where sets lie in another order."""
-    script = "from tests.proof.test_textbook import digest; print(digest(5))"
-    done = subprocess.run(
-        [sys.executable, "-c", script],
-        cwd=ROOT,
-        env={**os.environ, "PYTHONHASHSEED": "77", "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout.strip() == digest(5) != digest(6)
+    """In another process, too."""
+    assert elsewhere("tests.proof.test_textbook", 5) == digest(5) != digest(6)
 
 
 # -- what is hidden ------------------------------------------------------------------------

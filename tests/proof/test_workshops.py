@@ -4,11 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import subprocess
-import sys
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -30,8 +26,8 @@ from proof.workshops.slow import STEEL
 from proof.workshops.tiers import COARSE_SIZES, LEAST, SIZES
 from proof.workshops.trial import judgeable
 from proof.worlds import write
+from tests.proof.digests import elsewhere
 
-ROOT = Path(__file__).resolve().parents[2]
 COUNTS = {"null": 9, "adversarial": 9, "single": 34, "pair": 8, "alien": 12}
 
 cases = lru_cache(None)(lambda: tuple(make(1, COUNTS)))
@@ -101,17 +97,8 @@ def digest(seed):
 
 
 def test_the_same_seed_makes_the_same_bytes():
-    """In another process, where sets lie in another order."""
-    script = "from tests.proof.test_workshops import digest; print(digest(5))"
-    done = subprocess.run(
-        [sys.executable, "-c", script],
-        cwd=ROOT,
-        env={**os.environ, "PYTHONHASHSEED": "77", "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout.strip() == digest(5) != digest(6)
+    """In another process, too."""
+    assert elsewhere("tests.proof.test_workshops", 5) == digest(5) != digest(6)
 
 
 # -- what is hidden ------------------------------------------------------------------------
