@@ -41,6 +41,8 @@ def visible(rows: Rows, module: ModuleType) -> np.ndarray:
     """(N,) bool: rows in which the effect can show."""
     kinds = [kind for sees in module.SEES for kind in SIGNALS[sees]]
     seen = rows.seen(kinds)
+    if getattr(module, "LIGHT", False):
+        seen = seen & (rows.state.channels["lit"] > 0)
     # the edge's own wear is on the workpiece, not on what a mandrel or a mirror shows
     if "gauge" in module.SEES:
         seen = seen | (rows.seen(SIGNALS["tool"]) & (rows.state.channels["gauged"] > 0))

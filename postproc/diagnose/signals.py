@@ -56,6 +56,7 @@ def _common(recording: Recording) -> dict[str, np.ndarray]:
         "channel gauged": np.full(
             n, float("gauge" in recording.instrument.lower())
         ),  # workpieces are, between two cuts
+        "channel lit": np.full(n, float(not _touches(recording.instrument))),
     }
     for name, values in recording.columns.items():
         if (
@@ -91,8 +92,8 @@ def _targets(recording: Recording, machine: Machine) -> Iterator[Signal]:
         if np.ptp(p) > 1e-9:
             columns[f"{x} path"] = _through_targets(p, recording.approach(x), overrun)
         path += vector[XYZ.index(x)] * p
-    lit = not angle and recording.quantity == "displacement" and not _touches(recording.instrument)
-    columns["beam"] = path - path.min() if lit else np.zeros(n)
+    length = not angle and recording.quantity == "displacement"
+    columns["beam"] = path - path.min() if length else np.zeros(n)
     laser = "laser" if recording.quantity == "displacement" else "tool"
     yield (
         "reading_urad" if angle else "reading_um",

@@ -84,7 +84,7 @@ class State:
     (N,): which passage. channels: name to (N,), as recorded: T_screw_X_C, force_X_N, load_X_N,
     spindle_rpm. angles: axis to (3, N) rad, the measured rotations of that axis; arms: axis to
     (3, N) mm, on which they act; on_arm: axes whose own position is on their arm; turned (N,) bool:
-    rows that read an angle. beam (N,) mm: length of a laser's beam beyond its zero. passage (N,):
+    rows that read an angle. beam (N,) mm: the length that is read, beyond its zero. passage (N,):
     number of the unbroken sampled motion that a row belongs to, -1 at rest; file (N,): number of
     the recording. width (N,) s: over which samples were averaged to a row. inside: axis, or "time",
     to (W, N) mm or s: where, or when, the samples of a row were taken, NaN beyond their number.

@@ -1,4 +1,6 @@
-"""Cosine error: the beam was not parallel to the motion; readings are too short in proportion.
+"""Cosine error: the beam, the scale or the step gauge was not parallel to the motion; readings are
+too short in proportion. Faces of a step gauge that stands askew lie farther apart along the motion:
+readings are too long.
 
 In one set-up, in all of them along an axis (a fixture that stands askew), or until the beam was
 aligned anew between two runs (ISO 230-1, alignment of the beam).
@@ -12,21 +14,25 @@ PARAMETERS = {
     "ppm": "um/m, never above zero: minus half the square of the angle",
     "file": "number of the recording, 0 the first; -1: all",
     "last": "number of the last run before the beam was aligned anew, 0: it was not",
+    "touched": (
+        "1, a step gauge stood askew: readings are too long; 0, a beam or a scale: too short"
+    ),
 }
 # A reflector that goes d off sends the beam back 2 d off, and of a beam of 6 mm less than 4 mm off
 # is still seen: d = 2 mm. On the shortest travel that is measured so, 100 mm, that is an angle of
 # 0.02, and half its square 200 ppm; on 1 m 2 ppm.
 PLAUSIBLE = {"ppm": (-200.0, 0.0)}  # beyond, it is something else
-OPTIONAL = {"file": -1.0, "last": 0.0}
+OPTIONAL = {"file": -1.0, "last": 0.0, "touched": 0.0}
 # twice the logarithm of how much likelier a beam is aligned once for all runs than anew
 ONCE = 2.0
 MOST_RUNS = 8  # of a recording in which an alignment between two of them is looked for
+PLAIN = {"last": 0.0, "touched": 0.0}
 KIND, USE, PER = "instrument", "recording", "axis"
 LINE = True  # of a line along which several axes move it belongs to none
 NEEDS, SEES = ("position",), ("laser",)
 TEXT = (
-    "The laser beam was not parallel to the axis. "
-    "Align the beam over the whole travel; correct the recording, not the machine."
+    "What measured the length was not parallel to the axis. "
+    "Align it over the whole travel; correct the recording, not the machine."
 )
 
 
@@ -34,11 +40,18 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     read = np.unique(state.file[state.beam > 0])
     moving = {f: _along(state, state.file == f) for f in read}
     own = [f for f in read if moving[f] == [axis] or (not axis and len(moving[f]) != 1)]
-    found = [{"file": float(f), "last": 0.0} for f in own]
-    found += [{"file": -1.0, "last": 0.0}] if 1 < len(own) == len(read) else []
+    found = [{"file": float(f)} | PLAIN for f in own]
+    found += [{"file": -1.0} | PLAIN] if 1 < len(own) == len(read) else []
     for f in own:
-        runs = np.unique(state.run[state.file == f])
-        found += [{"file": float(f), "last": float(k)} for k in runs[:-1] if len(runs) <= MOST_RUNS]
+        here = state.file == f
+        runs = np.unique(state.run[here])
+        found += [
+            {"file": float(f), "last": float(k), "touched": 0.0}
+            for k in runs[:-1]
+            if len(runs) <= MOST_RUNS
+        ]
+        if not np.any(here & (state.channels.get("lit", 1.0) > 0)):
+            found.append({"file": float(f), "last": 0.0, "touched": 1.0})
     return found
 
 
@@ -60,9 +73,11 @@ def _along(state: State, own: np.ndarray) -> list[str]:
     return found
 
 
-def columns(state: State, axis: str, file: float = -1.0, last: float = 0.0) -> np.ndarray:
+def columns(
+    state: State, axis: str, file: float = -1.0, last: float = 0.0, touched: float = 0.0
+) -> np.ndarray:
     own = ((state.file == file) | (file < 0)) & ((state.run <= last) | (last <= 0))
-    return (state.beam * own * 1e-6)[None]
+    return (state.beam * own * (-1e-6 if touched else 1e-6))[None]
 
 
 parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "ppm")

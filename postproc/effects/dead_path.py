@@ -26,6 +26,7 @@ HOUSING_TAU = 1800.0  # s: a sensor in a heavy housing
 PLAUSIBLE = {"um_K": (-10.0, 10.0), "um_h": (-27.0, 27.0)}  # beyond, it is something else
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = ("time", "T_air_C"), ("laser",)
+LIGHT = True
 TEXT = (
     "The dead path of the laser was not compensated. "
     "Set the interferometer close to the reflector's zero; correct the recording, not the machine."
@@ -33,8 +34,7 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    touched = state.channels.get("gauged", np.zeros(len(state))) > 0
-    lit = np.unique(state.file[~touched & (state.passage < 0)])
+    lit = np.unique(state.file[(state.channels.get("lit", 1.0) > 0) & (state.passage < 0)])
     files = [float(f) for f in lit] + ([-1.0] if len(lit) > 1 else [])
     ways = ((0.0, 0.0), (HOUSING_TAU, 0.0), (0.0, 1.0))
     return [{"file": f, "late_s": v, "pressure": p} for f in files for v, p in ways]

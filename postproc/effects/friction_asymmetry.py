@@ -33,6 +33,7 @@ UNLIKE = 0.15
 # times the mean: friction opposes motion both ways, a weight that is not balanced pushes one way
 OPPOSES = 3.0
 POWERS = (1.0, 0.5)
+ONE_WAY = 0.9  # of the mean: a spike after the turns of one direction alone is no friction
 LIKE_SLOPE = 3.0  # a height that is there at all speeds holds as much at 33 mm/s as this slope
 KIND, USE, PER = "machine", "simulate", "axis"
 ALONG = True
@@ -110,11 +111,17 @@ def sensible(
     """Alike in both directions it is a plain lag and a plain friction; and friction opposes motion
     in either of them."""
     if tau_ms > 0 or length_mm > 0:
-        return True
+        mean, difference = _rms(size_um, slope_um), _rms(difference_um, difference_slope_um)
+        return UNLIKE * mean < difference <= ONE_WAY * mean
     if released:
         return UNLIKE * abs(size_um) < abs(difference_um) <= OPPOSES * abs(size_um)
     opposes = abs(slope_um) + LIKE_SLOPE * abs(size_um)
     return UNLIKE * abs(slope_um) < abs(difference_slope_um) <= OPPOSES * opposes
+
+
+def _rms(size: float, slope: float) -> float:
+    """Of (size + slope q) exp(-q) over q, the times or ways since a turn."""
+    return float(np.sqrt(size**2 / 2 + size * slope / 2 + slope**2 / 4))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:

@@ -36,6 +36,7 @@ OPTIONAL = {"ppm_K": 0.0, "told": 0.0, "wrong_ppm": 0.0, "by": 1.0} | {
 }
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = (), ("laser",)
+LIGHT = True
 TEXT = (
     "The air along the beam changed, or was not the air that is set in the laser. "
     "Use the laser's weather station; correct the recording, not the machine."
@@ -60,8 +61,13 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def _lit(state: State) -> np.ndarray:
-    """The recordings in which a beam grows longer."""
-    return np.unique(state.file[state.beam > 0])
+    """The recordings in which a beam of light grows longer."""
+    return np.unique(state.file[light(state) > 0])
+
+
+def light(state: State) -> np.ndarray:
+    """(N,) mm: length of the beam, of what reads by light."""
+    return state.beam * state.channels.get("lit", 1.0)
 
 
 def columns(state: State, axis: str, told: float = 0.0, by: float = 1.0) -> np.ndarray:
@@ -77,7 +83,8 @@ def columns(state: State, axis: str, told: float = 0.0, by: float = 1.0) -> np.n
         lit = _lit(state)[: int(-by)]
         found += [_since(state, state.time / 3600.0, file) for file in lit]
         found += [np.zeros(len(state))] * (int(-by) - len(lit))
-    return np.stack([v * state.beam * 1e-6 for v in found] + ([state.beam * 1e-6] if told else []))
+    beam = light(state) * 1e-6
+    return np.stack([v * beam for v in found] + ([beam] if told else []))
 
 
 def _since(state: State, driver: np.ndarray, file: float) -> np.ndarray:

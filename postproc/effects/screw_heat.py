@@ -9,6 +9,7 @@ it in a pause between two readings: then heat comes in that pause.
 import numpy as np
 
 from postproc.effects import State, along, first_timed, sampled, temperature_rise
+from postproc.effects.structure_drift import SHORTEST
 
 PARAMETERS = {
     "alpha_ppm_K": "um/(m K), expansion by the recorded temperature; 0 where none is recorded",
@@ -79,7 +80,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     # comes with time or travel stands beside.
     heats = [
         *([(0.0, 0.0)] if known else []),
-        *((v, w) for v in TAUS for w in (0.0, 1.0)),
+        *((v, w) for v in TAUS for w in (0.0, 1.0) if _lasts(state, w)),
     ]
     held = [{"held_at_mm": end, "free": free} for end, free in ends]
     plain = [
@@ -93,6 +94,13 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
         for when in _rests(state) + _pauses(state)
     ]
     return [shape | end for shape in plain + rested for end in held]
+
+
+def _lasts(state: State, by_travel: float) -> bool:
+    """Whether heat can have come: with the travel of one recording, or with time over them all."""
+    own = [state.time[state.file == f] for f in np.unique(state.file)] if by_travel else []
+    span = max((float(np.ptp(t)) for t in own or [state.time]), default=0.0)
+    return not 0 < span < SHORTEST
 
 
 def _rests(state: State) -> list[dict[str, float]]:

@@ -7,10 +7,12 @@ reads a length as wrong.
 import numpy as np
 
 from postproc.effects import State, by_name
+from postproc.effects.laser_air import light
 
 PARAMETERS = {"K_per_h": "K/h, by how much more the thermometer reads with every hour"}
 KIND, USE, PER = "data", "recording", "all"
 NEEDS, SEES = ("time",), ("laser",)
+LIGHT = True
 LISTED = True
 PPM_K = 0.93
 TEXT = (
@@ -26,7 +28,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 def columns(state: State, axis: str) -> np.ndarray:
     hours = (state.time - state.time.min()) / 3600.0
-    return (PPM_K * 1e-6 * hours * state.beam)[None]
+    return (PPM_K * 1e-6 * hours * light(state))[None]
 
 
 parameters, coefficients = by_name(PARAMETERS, {}, "K_per_h")

@@ -13,8 +13,9 @@ MASS, GREASE = 200.0, 100.0  # kg, N s/m
 RATE, BEGINS = 200.0, 0.08  # Hz, s
 
 
-def log(late_ms: float, grease: float, noise_um: float = 0.3) -> str:
-    """X to and fro over 100 mm at 20, 60 and 150 mm/s, late by so many ms, and its force."""
+def log(late_ms: float, grease: float, noise_um: float = 0.3, a_N: float = 0.0) -> str:
+    """X to and fro over 100 mm at 20, 60 and 150 mm/s, late by so many ms, and its force; or its
+    current, of so many A/N."""
     rng = np.random.default_rng(5)
     parts = []
     for speed in (20.0, 60.0, 150.0):
@@ -29,11 +30,12 @@ def log(late_ms: float, grease: float, noise_um: float = 0.3) -> str:
     force = MASS * np.gradient(v, t) * 1e-3 + grease * v * 1e-3 + rng.standard_normal(len(t))
     off = -late_ms * v + noise_um * rng.standard_normal(len(t))
     rows = [
-        f"1,{s:.3f},{c:.5f},{c + d * 1e-3:.6f},{f:.2f}"
+        f"1,{s:.3f},{c:.5f},{c + d * 1e-3:.6f},{f * (a_N or 1.0):.5g}"
         for s, c, d, f in zip(t, place, off, force, strict=True)
     ]
     head = HEAD.format("trace", "scale") + '# sees = "scale"\n'
-    return head + "run,t_s,X_cmd_mm,X_act_mm,force_X_N\n" + "\n".join(rows) + "\n"
+    signal = "X_current_A" if a_N else "force_X_N"
+    return head + f"run,t_s,X_cmd_mm,X_act_mm,{signal}\n" + "\n".join(rows) + "\n"
 
 
 # 5 N/um, as a drive has it; 0.01 N/um, as none has it; no friction in the force
@@ -41,8 +43,9 @@ def log(late_ms: float, grease: float, noise_um: float = 0.3) -> str:
     "late_ms,grease,name",
     [(0.02, GREASE, "viscous_friction"), (10.0, GREASE, "servo_lag"), (0.02, 0.0, "servo_lag")],
 )
-def test_the_force_tells_whose_a_lag_is(tmp_path, late_ms, grease, name):
-    answer = diagnosed(tmp_path, log(late_ms, grease))
+@pytest.mark.parametrize("a_N", [0.0, 0.002, 0.02])
+def test_the_force_or_the_current_tells_whose_a_lag_is(tmp_path, late_ms, grease, name, a_N):
+    answer = diagnosed(tmp_path, log(late_ms, grease, a_N=a_N))
     assert names(answer)[0] == f"{name}:X"
     first = answer["effects"][0]
     size = first["parameters"]["tau_ms" if name == "servo_lag" else "um_s_mm"]["value"]

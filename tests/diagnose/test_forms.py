@@ -294,6 +294,21 @@ def test_a_beam_is_aligned_between_two_runs():
     assert found == approx([-5.0, -5.0, 0.0])
 
 
+def test_faces_of_a_step_gauge_that_stands_askew_lie_farther_apart():
+    """10 ppm of 500 mm, too long in the second recording alone."""
+    state = State(
+        {"X": np.full(3, 500.0)},
+        {"X": np.ones(3)},
+        {"X": (0.0, 500.0)},
+        run=np.ones(3),
+        beam=np.full(3, 500.0),
+        file=np.array([0.0, 1.0, 1.0]),
+    )
+    cosine = effects.load("cosine")
+    found = effects.deviation(cosine, state, "X", ppm=-10.0, file=1.0, touched=1.0) * 1e3
+    assert found == approx([0.0, 5.0, 5.0])
+
+
 def test_askew_in_every_set_up_or_until_a_run():
     """Two recordings along X of three runs each: each set-up, both, and each until run 1 or 2."""
     place = np.tile([0.0, 250.0, 500.0], 6)

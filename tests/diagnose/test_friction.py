@@ -78,6 +78,23 @@ def test_friction_opposes_motion_in_both_directions(size, slope, difference, hol
     )
 
 
+@pytest.mark.parametrize(
+    ("size", "slope", "difference", "difference_slope", "holds"),
+    [
+        (10.0, 4.0, 4.0, 2.0, True),
+        (-12.0, 18.7, -11.4, 18.6, False),  # after turns of one direction alone
+        (2.0, 6.0, -4.0, 15.0, False),  # pushed along in the other one
+        (10.0, 20.0, -0.7, 0.5, False),  # alike in both
+    ],
+)
+def test_spikes_that_differ_with_the_direction_oppose_motion_in_both(
+    size, slope, difference, difference_slope, holds
+):
+    values = (size, slope, difference, difference_slope)
+    assert friction_asymmetry.sensible(*values, tau_ms=20.0) is holds
+    assert friction_asymmetry.sensible(*values, tau_ms=0.0, length_mm=0.1) is holds
+
+
 ANGLE = np.linspace(0.0, 6.28, 90)
 FIRST = np.arange(90) < 45  # readings of a test of two parts
 

@@ -97,6 +97,8 @@ class Dictionary(Scored):
     [
         (("backlash", "X", {}, False), ("backlash", "X", {}, False), False),
         (("backlash", "X", {}, False), ("backlash", "Y", {}, False), True),
+        (("backlash", "X", {}, False), ("backlash_position", "X", {}, False), False),
+        (("backlash", "X", {}, False), ("backlash_position", "Y", {}, False), True),
         # A laser is set up anew for every recording, a frame is not.
         (("cosine", "", {"file": 0.0}, False), ("cosine", "", {"file": 1.0}, False), True),
         (("cosine", "", {"file": 0.0}, False), ("cosine", "", {"file": 0.0}, False), False),
@@ -219,13 +221,17 @@ def test_a_name_of_exactly_its_form_is_not_charged_for_an_error_of_it():
     assert Search(cast(Any, Sets()))._likeliest([process, named]) is named
 
 
-@pytest.mark.parametrize("middle, least", [(10.0, 19.2), (-10.0, search_module.LEAST)])
+@pytest.mark.parametrize(
+    "middle, samples, least",
+    [(10.0, 100, 19.2), (-10.0, 100, search_module.LEAST), (-10.0, 10000, 25.0)],
+)
 def test_a_member_must_be_worth_more_than_noise_reaches_in_one_of_a_hundred(
-    monkeypatch, middle, least
+    monkeypatch, middle, samples, least
 ):
     """Of a Gumbel distribution at m with a scale of 2 the hundredth part lies beyond m - 2 ln(-ln
     0.99) = m + 9.2; two blocks of other prices, of which the first is the better one in each null.
-    Never less than the odds that are asked for anyway."""
+    Never less than the odds that are asked for anyway, nor, of many samples, than a quarter of the
+    square root of their number."""
     n, cost = search_module.NULLS, np.array([3.0, 5.0])
     best = middle - 2.0 * np.log(-np.log((np.arange(n) + 0.5) / n))
     worth = np.stack([best + cost[0], best - 1.0 + cost[1]])
@@ -234,6 +240,7 @@ def test_a_member_must_be_worth_more_than_noise_reaches_in_one_of_a_hundred(
         null=lambda: SimpleNamespace(fit=None),
         evidence=SimpleNamespace(scan=lambda fit, draws: (worth[:, :draws], None, None)),
         cost=cost,
+        rows=np.zeros(samples),
     )
     search = Search(cast(Any, sets))
     search.calibrate(np.random.default_rng(1))

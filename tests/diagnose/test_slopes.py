@@ -16,7 +16,7 @@ from postproc import effects, recordings
 from postproc.cli import main
 from postproc.diagnose import assembly, nuisances
 from postproc.diagnose.signals import signals_of
-from postproc.effects import State
+from postproc.effects import State, cosine, laser_air
 from postproc.machine.file import read_machine
 from tests.diagnose.command import diagnosed
 
@@ -35,12 +35,17 @@ def targets(instrument: str) -> recordings.Recording:
 
 
 @pytest.mark.parametrize(
-    "instrument, longest",
-    [("laser interferometer", 350.0), ("", 350.0), ("in-process gauge", 0.0), ("dial gauge", 0.0)],
+    "instrument, lit",
+    [("laser interferometer", 1.0), ("", 1.0), ("in-process gauge", 0.0), ("dial gauge", 0.0)],
 )
-def test_only_light_has_a_beam(instrument, longest):
+def test_only_light_knows_of_air(instrument, lit):
+    """Whatever reads a length may lie askew; of light alone air tells."""
     (_, columns), *_ = signals_of(targets(instrument), read_machine(Path(STUDER)))
-    assert columns["beam"].max() == longest
+    assert columns["beam"].max() == 350.0 and set(columns["channel lit"]) == {lit}
+    read = replace(state(lit=np.full(12, lit)), run=np.ones(12))
+    assert laser_air.light(read).max() == 500.0 * lit
+    ways = {(s["file"], s["touched"]) for s in cosine.shapes(read, "Z")}
+    assert ways == {(f, 0.0) for f in (-1.0, 0.0, 1.0)} | {(f, 1.0) for f in (0.0, 1.0) if not lit}
 
 
 def state(**channels: np.ndarray) -> State:

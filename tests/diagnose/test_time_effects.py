@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from postproc.diagnose import assembly, library, outliers
-from postproc.effects import State, deviation, low_pass, structure_drift, tool_wear
+from postproc.effects import State, deviation, low_pass, screw_heat, structure_drift, tool_wear
 
 
 def state(rpm: np.ndarray, gauged: float = 1.0) -> State:
@@ -39,6 +39,22 @@ def test_what_a_body_follows_is_the_same_reading_by_reading():
             now = kept * now + (1 - kept) * driver[k]
         before = t[k]
         assert found[k] == pytest.approx(now, rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    "times, files, heats",
+    [
+        ([0.0, 20.0, 40.0, 60.0], [0, 0, 0, 0], set()),
+        ([0.0, 20.0, 1800.0, 1820.0], [0, 0, 1, 1], {0.0}),
+        ([0.0, 600.0, 1200.0, 1800.0], [0, 0, 0, 0], {0.0, 1.0}),
+    ],
+)
+def test_a_screw_gets_warm_in_minutes(times, files, heats):
+    """Within one minute neither with time nor with travel; between two recordings with time, since
+    of that nobody recorded the travel."""
+    read = replace(state(np.zeros(4)), time=np.array(times), file=np.array(files, float))
+    shapes = screw_heat.shapes(replace(read, position={"X": np.arange(4.0)}), "X")
+    assert {s["by_travel"] for s in shapes if not s["to_s"] and not s["until_s"]} == heats
 
 
 def test_wear_at_a_gauge_begins_again_after_each_life():

@@ -199,3 +199,25 @@ def test_a_curve_of_few_targets_on_a_long_travel_is_the_one_of_a_short_travel(tm
     assert curved["equivalent"] == ["abbe:X"]  # no length that is wrong is such a curve
     after = [answer["fit"]["rms_after_um"] for answer in answers]
     assert after[1] == pytest.approx(after[0], rel=0.1)
+
+
+@pytest.mark.parametrize("both", [False, True])
+def test_a_step_gauge_that_stands_askew(tmp_path, both):
+    """15 ppm too long by a touch probe on a step gauge; a scale of glass beside it says nothing is
+    wrong. By itself the gauge tells it from no error of the screw."""
+
+    def table(instrument: str, ppm: float, seed: int) -> str:
+        text = gauge(lambda p, side, t: ppm * 1e-3 * p, 0.3, 0.1, seed=seed)
+        return text.replace("dial gauge, 0.01 mm", instrument)
+
+    texts = [table("touch probe on step gauge", 15.0, 1)]
+    texts += [table("linear comparator (glass scale)", 0.0, 2)] * both
+    answer = diagnosed(tmp_path, *texts)
+    if not both:
+        assert list(names(answer)) == ["scale:X"]
+        assert "cosine:X" in answer["effects"][0]["equivalent"]
+        return
+    assert list(names(answer)) == ["cosine:X"]
+    found = names(answer)["cosine:X"]
+    assert found["ppm"]["value"] == pytest.approx(-15.0, abs=2.0)
+    assert (found["file"]["value"], found["touched"]["value"]) == (0.0, 1.0)
