@@ -156,7 +156,7 @@ def diagnose(
         disagreements=map_agreement.remaining(disagreements, rows, machine, _formed(rows, found)),
         scatter=scatter(evidence, last, said),
     )
-    diagnosis.unknown = judge.judged(diagnosis, search.sets, state, search.reached)
+    diagnosis.unknown = judge.judged(diagnosis, search.sets, state)
     diagnosis.drives = driven
     return diagnosis
 

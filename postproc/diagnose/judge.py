@@ -44,11 +44,10 @@ NO_BETTER = 1.0  # of the squares without a name, in runs that took no part
 NOT_PREDICTABLE = ("vibration", "step_loss")  # in another run: its phase, its moment
 
 
-def judged(d: Diagnosis, sets: Sets, state: Found, reached: float) -> Unknown | None:
+def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
     """What no name explains, with its map. Names become tentative where the recordings can not be
-    trusted, where runs that took no part do not bear them out, where noise reaches what they explain
-    (by itself it reaches chi squared of `reached`), and where more of that comes back than they
-    explain."""
+    trusted, where runs that took no part do not bear them out, where noise reaches what they
+    explain, and where more of that comes back than they explain."""
     for f in d.findings:
         if d.disagreements:
             f.status = "tentative"
@@ -64,7 +63,7 @@ def judged(d: Diagnosis, sets: Sets, state: Found, reached: float) -> Unknown | 
         if any(sizes[unit] == max(sizes) < rms for _, rms, unit in found):
             f.status = "tentative"
     _borne_out(d)
-    _significant(d, reached)
+    _significant(d)
     _electronics(d, sets)
     _curves(d)
     if not left:
@@ -76,11 +75,11 @@ def judged(d: Diagnosis, sets: Sets, state: Found, reached: float) -> Unknown | 
     return mapped(d.rows, d.held, signal, rms, min(1.0, rms**2 / max(total, 1e-30)), d.after)
 
 
-def _significant(d: Diagnosis, reached: float) -> None:
+def _significant(d: Diagnosis) -> None:
     """A name is tentative where the others, with the errors of their forms, leave so little to it
     that noise reaches it: of chi squared its expectation, one for each size, and the threshold."""
     for f in d.findings:
-        if f.delta_chi2 < f.block.width + reached:
+        if f.delta_chi2 < f.block.width + d.least:
             f.status = "tentative"
 
 

@@ -31,19 +31,15 @@ LOOKED_AT = 6  # sets of all that were tried that are compared at one error of f
 ALIKE = 6.0  # twice ln(20)
 CONVERGED = 12  # steps after which they stay
 LEAST = 8.0  # twice ln(55): posterior odds that a member must have at least
-# of the square root of the samples, by which their likelihood scatters: noise is never quite as it
-# is modelled (of 12 names of 900 cases that this refuses one was right)
-MISFIT = 0.25
 NULLS, CHANCE = 64, 0.01
 
 
 class Search:
-    """least: what a member must be worth beside the others; reached: what noise alone reaches, or
-    the odds that are asked for anyway."""
+    """least: what a member must be worth beside the others."""
 
     def __init__(self, sets: Sets):
         self.sets = sets
-        self.least = self.reached = LEAST
+        self.least = LEAST
         self._looked: set[tuple[int, ...]] = set()
         self._with_process: dict[Key, list[Found]] = {}
         self._barred: set[str] = set()  # names whose jumps no readings bear out
@@ -64,8 +60,7 @@ class Search:
         # (Euler's constant); a part p lies beyond mode - scale ln(-ln(1 - p)).
         scale = float(np.std(best)) * np.sqrt(6.0) / np.pi
         tail = float(np.mean(best)) - 0.5772 * scale - scale * np.log(-np.log(1 - CHANCE))
-        self.reached = max(LEAST, tail)
-        self.least = max(self.reached, MISFIT * float(np.sqrt(len(self.sets.rows))))
+        self.least = max(LEAST, tail)
 
     def run(self) -> Found:
         """The most probable set of which no jump is one by name only."""

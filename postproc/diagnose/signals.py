@@ -27,15 +27,8 @@ RESTS = 2e-5  # mm from sample to sample
 STAMP = 1.1e-3  # s: by how much a time that was written with three decimals may be off
 SMOOTH = 0.02  # s
 FAR = 1e6  # mm and s: unknown when an axis turned back last
-TOUCHING = (
-    "gauge",
-    "probe",
-    "indicator",
-    "dial",
-    "comparator",
-    "micrometer",
-    "coordinate measuring",
-)
+FACES = ("gauge", "probe", "indicator", "dial")  # read from face to face
+TOUCHING = (*FACES, "comparator", "micrometer", "coordinate measuring")
 INSIDE = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 MATERIAL = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 
@@ -56,7 +49,8 @@ def _common(recording: Recording) -> dict[str, np.ndarray]:
         "channel gauged": np.full(
             n, float("gauge" in recording.instrument.lower())
         ),  # workpieces are, between two cuts
-        "channel lit": np.full(n, float(not _touches(recording.instrument))),
+        "channel lit": np.full(n, float(not _reads(recording, TOUCHING))),
+        "channel faces": np.full(n, float(_reads(recording, FACES))),
     }
     for name, values in recording.columns.items():
         if (
@@ -106,10 +100,9 @@ def _targets(recording: Recording, machine: Machine) -> Iterator[Signal]:
     )
 
 
-def _touches(instrument: str) -> bool:
-    """Whether an instrument reads without a beam of light; where nobody wrote down what it was, it
-    may have one."""
-    return any(word in instrument.lower() for word in TOUCHING)
+def _reads(recording: Recording, words: tuple[str, ...]) -> bool:
+    """Whether its instrument is of this kind; where nobody wrote down what it was, of none."""
+    return any(word in recording.instrument.lower() for word in words)
 
 
 def _overrun(recording: Recording) -> np.ndarray:

@@ -44,14 +44,12 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     found += [{"file": -1.0} | PLAIN] if 1 < len(own) == len(read) else []
     for f in own:
         here = state.file == f
-        runs = np.unique(state.run[here])
-        found += [
-            {"file": float(f), "last": float(k), "touched": 0.0}
-            for k in runs[:-1]
-            if len(runs) <= MOST_RUNS
-        ]
-        if not np.any(here & (state.channels.get("lit", 1.0) > 0)):
+        if np.any(state.channels.get("faces", 0.0) * here > 0):
             found.append({"file": float(f), "last": 0.0, "touched": 1.0})
+        lit = np.any(state.channels.get("lit", 1.0) * here > 0)
+        runs = np.unique(state.run[here])
+        anew = runs[:-1] if lit and len(runs) <= MOST_RUNS else []
+        found += [{"file": float(f), "last": float(k), "touched": 0.0} for k in anew]
     return found
 
 

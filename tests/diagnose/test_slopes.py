@@ -42,7 +42,8 @@ def test_only_light_knows_of_air(instrument, lit):
     """Whatever reads a length may lie askew; of light alone air tells."""
     (_, columns), *_ = signals_of(targets(instrument), read_machine(Path(STUDER)))
     assert columns["beam"].max() == 350.0 and set(columns["channel lit"]) == {lit}
-    read = replace(state(lit=np.full(12, lit)), run=np.ones(12))
+    flags = {"lit": np.full(12, lit), "faces": np.full(12, 1.0 - lit)}
+    read = replace(state(**flags), run=np.ones(12))
     assert laser_air.light(read).max() == 500.0 * lit
     ways = {(s["file"], s["touched"]) for s in cosine.shapes(read, "Z")}
     assert ways == {(f, 0.0) for f in (-1.0, 0.0, 1.0)} | {(f, 1.0) for f in (0.0, 1.0) if not lit}

@@ -113,5 +113,5 @@ def test_a_name_that_the_others_leave_no_more_than_noise_is_tentative(fall, size
     finding = SimpleNamespace(
         delta_chi2=fall, block=SimpleNamespace(width=sizes), status="accepted"
     )
-    judge._significant(cast(Any, SimpleNamespace(findings=[finding])), 8.0)
+    judge._significant(cast(Any, SimpleNamespace(findings=[finding], least=8.0)))
     assert finding.status == status
