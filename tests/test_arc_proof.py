@@ -172,6 +172,21 @@ def test_a_run_is_proven_the_same_alone_and_among_others(tmp_path, monkeypatch):
     assert looked > 100 and not apart
 
 
+@pytest.mark.parametrize("seed", [1, 5])
+def test_arcs_are_cut_the_same_beside_one_of_two_turns(tmp_path, seed):
+    """What hides between samples has a bound of its own on arcs of one turn at most; on others
+    samples lie densely. Both kinds in one portion, and line by line."""
+    machine = read_machine(write_mill(tmp_path / "mill", False))
+    first, rest = random_arcs(seed, 25).split("F1000\n")
+    lines = f"{first}F1000\nG2 X100 Y0 Z1 I-20 J0 P2\n{rest}".encode().splitlines(keepends=True)
+    made = []
+    for portions in ([b"".join(lines)], lines):
+        options = Options(tolerance=0.0005)
+        filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine, ZERO), options)
+        made.append(b"".join([*map(filter_.feed, portions), filter_.finish()]))
+    assert made[0] == made[1]
+
+
 def test_a_smooth_map_asks_for_two_pieces_an_arc(tmp_path):
     """The arcs and the mill of the benchmarks: 200 arcs of 0.5 to 20 mm, 0.35 to 5 rad, and 21
     errors of up to 30 um."""

@@ -203,6 +203,19 @@ def test_a_feed_from_a_place_that_was_not_corrected_begins_with_its_correction(t
     assert lines[-4:-1] == ["G1 Z0.000 X-0.020 F500", "Z50.000", "X29.980"]
 
 
+@pytest.mark.parametrize(("size", "um"), [(3, 0.5), (4, 1.0), (8, 1.0)])
+def test_chords_within_an_arc_are_written(tmp_path, size, um):
+    """A map that turns by 64 um/mm at X = 5 mm, in steps of 10 um: near the node some pieces are
+    too short for an arc to be proven and become lines, the next arc beginning at their ends.
+    Without these lines it would begin up to 50 um away; steps leave 7 um aside."""
+    folder = machine(tmp_path / "m", "X_mm,EXX_um\n-10,0\n0,0\n5,160\n10,0\n400,0\n", step=0.01)
+    text = f"G21 G90 G18\nG1 X0 Z0 F500\nG2 X{size} Z{size} I{size} K0\nM2\n"
+    out = corrected(folder, text, um * UM)
+    lines = out.split("G2 ")[1].splitlines()[1:]
+    assert any("G1 " in line for line in lines)
+    assert left(folder, text, out) < um * UM + math.hypot(5 * UM, 5 * UM)
+
+
 @pytest.mark.parametrize(
     ("um", "helix"),
     [(1.0, "G1 X100 Y0 Z30 F500\nG3 X110 Y10 Z-30 I0 J10"),

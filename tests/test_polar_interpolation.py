@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from postproc.compensate.inverse import CLOSE, command
 from postproc.errors import GcompError
 from postproc.filter import Filter, setup_of
 from postproc.machine import places
+from postproc.machine.polar import PolarBounds
 from postproc.machine.seen import seen_in
 from postproc.nc import dialects
 from postproc.spaces import Space
@@ -304,6 +307,23 @@ def test_a_machine_without_c(tmp_path):
     machine = load(plain("w-b-Z-X-t", EXX=0.010), tmp_path, "haas-lathe")
     with pytest.raises(GcompError, match="no C in the machine's chain"):
         corrected(machine, "haas-lathe", program(["G1 X20. F9."], HAAS, before="G0 X60. Z5."))
+
+
+def test_what_turns_around_the_line_of_c_is_looked_at_in_the_middle_of_the_way_too():
+    """40 mm from C's line, 20 um at Z50 and none at Z0 and Z100: it may be half as much again, and
+    turns by that over the radius: 0.03 / 40 beside the slides' own."""
+    machine = SimpleNamespace(
+        letters="XCZ",
+        base=SimpleNamespace(bounds=SimpleNamespace(kink=0.001, steepest=0.002)),
+        deviation=lambda place, still: np.stack(
+            [np.where(np.abs(place[2] - 50) < 1, 0.02, 0.0), *still[1:]]
+        ),
+    )
+    low, high = np.array([[40.0], [0.0], [0.0]]), np.array([[40.0], [0.0], [100.0]])
+    kink, steep = PolarBounds(cast(Any, machine)).local(low, high)
+    turns = 0.02 * 1.5 / 40
+    assert kink == pytest.approx([0.001 + 2 * turns])
+    assert steep == pytest.approx([0.002 + turns])
 
 
 def test_y_elsewhere_is_no_axis(tmp_path):

@@ -131,7 +131,7 @@ def straight(c: Settings, m: Motions, tolerance: float) -> bool:
     holes, there = m.holes, known(c.machine, m).end
     for k, motion in enumerate(map(int, holes.motion)):
         row = int(holes.axis[k])
-        if not there[motion] or m.alone[motion]:
+        if not there[motion]:
             return False
         target = _depth(c.machine, holes, k, m.target[:, motion] / TICKS_PER_MM)
         deep = abs(target[row, -1] - target[row, 0])

@@ -8,6 +8,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from postproc.diagnose import sets as sets_module
 from postproc.diagnose.block import Block
 from postproc.diagnose.library import FOUND
 from postproc.diagnose.sets import Sets, _amplitude, _later, _terms
@@ -106,3 +107,42 @@ def test_what_comes_later_is_taken_from_sample_to_sample_of_one_motion():
     rows = SimpleNamespace(state=SimpleNamespace(passage=passage), signal=signal)
     part = np.array([1.0, 3.0, 4.0, 9.0, 7.0, 5.0, 6.0, 2.0, 1.0])
     assert _later(rows, part).tolist() == [0.0, 2.0, 1.0, 0.0, -2.0, 0.0, 0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("noise", [0.5 * UM, 2 * UM])
+def test_the_error_of_form_of_the_largest_member_counts_over_the_noise(monkeypatch, noise):
+    """A tenth of 8 um, and of 3 um beside it, in one unit: (0.8 um / noise)^2 is its variance."""
+    monkeypatch.setattr(sets_module, "QUIETEST", 0.0)
+    columns = [size * UM * np.array([[1.0], [-1.0], [1.0], [-1.0]]) for size in (3.0, 8.0)]
+    sets = SimpleNamespace(
+        blocks=[SimpleNamespace(columns=c, module=SimpleNamespace(FORM=0.1)) for c in columns],
+        evidence=SimpleNamespace(
+            parts=[SimpleNamespace(unit=SimpleNamespace(rows=np.arange(4), r=np.full(4, noise)))]
+        ),
+        members=lambda fit: (0, 1),
+        value=lambda fit, k: np.ones(1),
+        _open=[np.zeros((4, 0))],
+    )
+    variance = Sets.form(cast(Any, sets), cast(Any, None))
+    assert variance == pytest.approx([(0.8 * UM / noise) ** 2])
+
+
+@pytest.mark.parametrize(
+    ("sees", "size", "fits"),
+    [
+        ("length", 1.1e-3, True), ("length", 0.9e-3, False),
+        ("angle", 1.1e-6, True), ("angle", 0.9e-6, False),
+    ],
+)  # fmt: skip
+def test_a_member_matters_from_one_um_on_or_one_urad(monkeypatch, sees, size, fits):
+    """Where noise is none, and no other member stands beside it."""
+    monkeypatch.setattr(sets_module, "plausible", lambda block, value: True)
+    unit = SimpleNamespace(rows=np.arange(2), r=np.full(2, 1e-12), sees=sees)
+    sets = SimpleNamespace(
+        blocks=[SimpleNamespace(columns=np.array([[size], [-size]]))],
+        evidence=SimpleNamespace(parts=[SimpleNamespace(unit=unit)]),
+        members=lambda fit: (0,),
+        value=lambda fit, k: np.ones(1),
+        _open=[np.zeros((2, 0))],
+    )
+    assert Sets.fits(cast(Any, sets), cast(Any, None), 0) is fits

@@ -8,6 +8,7 @@ import pytest
 from postproc.streaming.events import Status
 from postproc.streaming.limits import Limits
 from postproc.streaming.outcome import STATUS
+from postproc.streaming.protocols.marlin import Marlin
 from postproc.streaming.protocols.tinyg import TinyG
 from postproc.streaming.sender import Sender
 from tests.streaming.bench import Faults, lines_of, new_sender, run, zigzag
@@ -23,6 +24,14 @@ def test_A16_done_is_said_when_the_machine_stands_still_and_not_before():
     assert seconds > 2.0  # 2 mm at 60 mm/min
     assert (sender.outcome.kind, sender.outcome.exit_status, model.place) == ("done", 0, [2, 0, 0])
     assert sender.tally.answered == sender.tally.sent == 3 and not sender.waiting
+
+
+def test_gcomps_own_lines_are_numbered_below_zero():
+    """0 stands for no line, lines of the program begin at 1."""
+    sender = Sender(Marlin())
+    sender.tick(0.0)
+    sender.bytes_out()
+    assert [(line.number, line.text) for line in sender.waiting] == [(-1, b"M110 N0")]
 
 
 def test_A16_every_end_has_its_own_exit_status():
