@@ -41,6 +41,16 @@ def called(*words: str) -> str:
     return ""
 
 
+def thinned(make, folder):
+    """Every fourth sample of a log: 250 Hz in place of 1 kHz will do."""
+    job = make(folder)
+    for file in job.recordings if job else ():
+        lines = file.read_text().splitlines(keepends=True)
+        head = next(k for k, line in enumerate(lines) if not line.startswith("#")) + 1
+        file.write_text("".join(lines[:head] + lines[head::4]))
+    return job
+
+
 MISSED = pytest.mark.xfail(
     strict=True,
     reason="a dial gauge of 10 um steps: what it shows is called unknown, lost motion is wanted",
@@ -57,6 +67,8 @@ def test_what_was_taken_out_is_named_and_the_fit_gets_better(name, tmp_path, mon
         monkeypatch.setattr(runs, "gcomp", called)
     if name == "michigan":  # two of its six logs: a sixth of the time
         case = replace(case, make=partial(cases.michigan, number=2))
+    if name == "feed-drive":
+        case = replace(case, make=partial(thinned, case.make))
     result = run(case, tmp_path)
     if result is None:
         pytest.skip("the recording is not here")

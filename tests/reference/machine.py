@@ -46,16 +46,22 @@ def translation(vector):
 def rotation(vector):
     """The 4 x 4 transform that turns about `vector` by its length in rad (Rodrigues; exact, no
     order of axes)."""
-    matrix = IDENTITY.copy()
-    angle = math.sqrt(sum(float(v) ** 2 for v in vector))
+    a, b, c = map(float, vector)
+    angle = math.sqrt(a * a + b * b + c * c)
     if angle == 0.0:
-        return matrix
-    a, b, c = (float(v) / angle for v in vector)
-    cross = np.array([[0.0, -c, b], [c, 0.0, -a], [-b, a, 0.0]])
+        return IDENTITY.copy()
+    a, b, c = a / angle, b / angle, c / angle
+    sine, versine = math.sin(angle), 2.0 * math.sin(angle / 2.0) ** 2
     # 1 - cos(angle) would lose all its digits at a few µrad.
-    versine = 2.0 * math.sin(angle / 2.0) ** 2
-    matrix[:3, :3] += math.sin(angle) * cross + versine * (cross @ cross)
-    return matrix
+    x, y, z = versine * b * c, versine * a * c, versine * a * b
+    return np.array(
+        [
+            [1.0 - versine * (b * b + c * c), z - sine * c, y + sine * b, 0.0],
+            [z + sine * c, 1.0 - versine * (a * a + c * c), x - sine * a, 0.0],
+            [y - sine * b, x + sine * a, 1.0 - versine * (a * a + b * b), 0.0],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    )
 
 
 def vector_of(table, what):
@@ -127,6 +133,7 @@ class Axis:
         self.name, self.side = name, side
         self.nodes, self.components = nodes, components
         self.measured_at, self.lean = measured_at, lean
+        self.way = rotation(lean)[:3, :3] @ UNIT[name]  # along which it goes
         self.travel, self.least_increment = travel, least_increment
         self.play_mm = play_mm  # of the effects: the way after a turn over which they are taken up
 
@@ -158,7 +165,7 @@ class Axis:
         """4 x 4, mm: from the frame nearer to the tool into the frame nearer to the workpiece."""
         d = [self.value(name, position, approach, clamp, margin) for name in TRANSLATIONS]
         eps = [self.value(name, position, approach, clamp, margin) for name in ROTATIONS]
-        travel = translation((rotation(self.lean) @ np.append(UNIT[self.name] * position, 1.0))[:3])
+        travel = translation(self.way * position)
         error = translation(self.measured_at + d) @ rotation(eps) @ translation(-self.measured_at)
         return travel @ error if self.side == "tool" else error @ travel
 
