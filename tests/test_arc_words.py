@@ -23,6 +23,7 @@ from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
+from postproc.nc.lexer import lex
 from postproc.units import TICKS_PER_MM, UM
 from tests.small_machines import write_mill
 
@@ -273,3 +274,16 @@ def test_of_the_tolerance_only_what_axes_round_together_is_kept(growth):
     sqrt(3) halves, and the rest of it, 0.04 um of 1 um, is not there for the path."""
     inner = filter_of(growth, tolerance=0.001).compensator.inner
     assert inner == pytest.approx(0.001 - (math.sqrt(3) - 1) * 0.00005, rel=1e-9)
+
+
+@pytest.mark.parametrize("mode, i, j", [("G91.1", -20, 5), ("G90.1", 10, 35)])
+def test_an_absolute_centre_counts_from_the_zero_of_the_work_offset(tmp_path, mode, i, j):
+    """From X30 Y30 of G54, which lies at 50 and -20 mm: the centre is at 60 and 15 mm of the
+    machine."""
+    machine = read_machine(write_mill(tmp_path / "mill", False))
+    zero = {"G54": {"X": 50.0, "Y": -20.0, "Z": 0.0}}
+    filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine, zero))
+    text = f"G21 G90 G17 G54 {mode}\nG0 X30 Y30 Z0\nG2 X-10 Y40 I{i} J{j} F500\nM2\n"
+    words = lex(text.encode(), filter_.dialect.grammar)
+    motions, _, _ = filter_.interpreter.run(words, filter_.interpreter.initial())
+    assert motions.arcs.centre[:, 0].tolist() == [60.0, 15.0]

@@ -409,7 +409,7 @@ def test_a_cycle_behind_a_spline_leaves_its_code_in_force():
 @pytest.mark.parametrize("first, side", [(0, -1.0), (1, 1.0), (2, 0.5)])
 def test_a_spline_begins_on_the_side_of_what_was_before_it(first, side):
     """The stroke before it, or the last one of the batch before."""
-    ends = np.arange(4.0)[None]
+    ends, spaced = np.arange(4.0)[None], [False, True, True, False]
     b = SimpleNamespace(
         carry=SimpleNamespace(sides=SimpleNamespace(side=np.array([-1]))),
         weight_end=np.array([[1.0, 0.5, -0.5, -1.0]]),
@@ -418,8 +418,9 @@ def test_a_spline_begins_on_the_side_of_what_was_before_it(first, side):
         begin=(ends - 1) * TICKS_PER_MM,
         end=ends * TICKS_PER_MM,
         motion=np.arange(4),
-        m=SimpleNamespace(spaced=np.ones(4, bool)),
+        m=SimpleNamespace(spaced=np.array(spaced)),
     )
     course = splines._joined(b, first, 4, None)
     assert course.side[0].tolist() == [side, *b.weight_end[0, first:]]
     assert course.wanted[0].tolist() == course.written[0].tolist() == [*range(first - 1, 4)]
+    assert course.spaced.tolist() == [True, *spaced[first:]]

@@ -356,3 +356,14 @@ def test_a_number_of_more_than_nine_decimals_is_cut_as_one_of_nine(tmp_path):
     text = "G0 X0 Y0 Z0\nG1 X20.123456789{0} Y5.123456789{0} F100\nM2\n"
     assert corrected(m, text.format("012"))[0] == corrected(m, text.format(""))[0]
     assert corrected(m, text.format("012"))[0][-1] == {"X": 20.123456789, "Y": 5.123456789}
+
+
+def test_a_motion_is_divided_once_where_its_slides_turn_together(monkeypatch):
+    """Two turns at the middle, one of them a rounding later, and one at three quarters."""
+    at = (np.array([0, 0]), np.array([0.5, 0.75])), (np.array([0]), np.array([0.5 + 1e-12]))
+    monkeypatch.setattr(turning, "_quadrants", lambda b: at[0])
+    monkeypatch.setattr(turning, "_induced", lambda b: [at[1]])
+    whole = SimpleNamespace(machine=None, motion=np.array([0]), t0=np.zeros(1), t1=np.ones(1))
+    motion, t0, t1 = turning.divided(whole)
+    assert motion.tolist() == [0, 0, 0]
+    assert t0.tolist() == [0.0, 0.5, 0.75] and t1.tolist() == [0.5, 0.75, 1.0]

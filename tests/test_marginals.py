@@ -14,7 +14,7 @@ from postproc.machine import marginals as module
 from postproc.machine.axis import Axis
 from postproc.machine.chain import Chain
 from postproc.machine.file import read_machine
-from postproc.machine.marginals import marginals
+from postproc.machine.marginals import _far_away, marginals
 from postproc.machine.model import Machine
 from postproc.machine.tables import AxisTable
 from postproc.units import UM, URAD
@@ -149,3 +149,10 @@ def test_ends_that_hold_a_value_are_left_out_where_both_directions_hold_it():
     assert (found.nodes[0], found.nodes[-1]) == (2.0, 4.0)
     flat = module._trimmed(module.Marginal("X", "X", nodes, np.ones(7), np.zeros(7)))
     assert list(flat.nodes) == [5.0, 6.0]
+
+
+def test_the_deviation_is_another_where_an_axis_is_another_by_more_than_can_be_seen():
+    """0.05 um: what is less names no axis, unless none has more."""
+    pose = {"X": 1.0, "Y": 2.0, "Z": 3.0}
+    assert _far_away(pose, {"X": 1e-3, "Y": 1e-6}) == {"X": 1.0}
+    assert _far_away(pose, {"X": 1e-6, "Y": 0.0}) == {"X": 1.0, "Y": 2.0}

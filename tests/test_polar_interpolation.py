@@ -13,8 +13,8 @@ from postproc.compensate import Options
 from postproc.compensate.inverse import CLOSE, command
 from postproc.errors import GcompError
 from postproc.filter import Filter, setup_of
-from postproc.machine import places
-from postproc.machine.polar import PolarBounds
+from postproc.machine import face, places
+from postproc.machine.polar import PolarBounds, PolarMachine
 from postproc.machine.seen import seen_in
 from postproc.nc import dialects
 from postproc.spaces import Space
@@ -324,6 +324,21 @@ def test_what_turns_around_the_line_of_c_is_looked_at_in_the_middle_of_the_way_t
     turns = 0.02 * 1.5 / 40
     assert kink == pytest.approx([0.001 + 2 * turns])
     assert steep == pytest.approx([0.002 + turns])
+
+
+@pytest.mark.parametrize(
+    ("known", "c"), [((-180.0, 180.0), -90.0), ((0.0, 360.0), 270.0), ((-500.0, -120.0), -450.0)]
+)
+def test_c_is_taken_by_a_whole_turn_into_what_its_tables_know(known, c):
+    """At (0, -10) of the face C stands at -90 degrees, or a turn from there."""
+    place = np.array([[0.0], [-10.0], [5.0]])
+    slides = face.slides_of(("X", "C", "Z"), Space(polar="C"), place, known)
+    assert slides[:, 0] == pytest.approx([10.0, c, 5.0])
+
+
+def test_an_axis_that_the_chain_does_not_hold_is_not_corrected_on_the_face():
+    machine = SimpleNamespace(letters="XYZC", chain=SimpleNamespace(axes=("C", "X")))
+    assert PolarMachine.corrected.func(cast(Any, machine)) == (0, 3)
 
 
 def test_y_elsewhere_is_no_axis(tmp_path):

@@ -3,15 +3,22 @@ which a wrong number was put."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
+import numpy as np
 import pytest
 
 from postproc.compensate import Options
 from postproc.filter import Filter, setup_of
 from postproc.nc import dialects
+from postproc.nc.shifted import Way
 from postproc.units import UM
 from postproc.verify import Verifier
+from postproc.verify.cutter import CentreVerifier
+from postproc.verify.distance import _from_arc
 from tests.test_lost_motion import backlash, corrected, machine
 from tests.test_unknown_places import mill
 
@@ -98,3 +105,54 @@ def test_an_arc_in_coarse_increments_is_one_that_the_control_accepts(dialect, ar
     filter_.feed(f"G21 G90 G17\nG0 X0. Y0. Z0.\n{arc}".encode())
     filter_.finish()
     assert verifier.passed and verifier.corrected.deviation > 0
+
+
+def test_every_piece_of_a_feed_counts(tmp_path):
+    """Cut at two nodes, the end of the first piece 30 um aside: neither that piece nor the one
+    behind it ends where the block does."""
+    m = machine(tmp_path / "m", "", X="X_mm,EXX_um\n-400,0\n0,0\n30,20\n60,0\n100,20\n400,20\n")
+    program = "G0 X0 Y0 Z0\nG1 X100 F500\nM2\n"
+    assert verified(m, program).passed
+    verifier = verified(m, program, b"X30.0000", b"X30.0000 Y0.0300")
+    assert abs(verifier.corrected.deviation - 30 * UM) < 0.1 * UM and not verifier.passed
+
+
+def on_helix(actual, t: float) -> float:
+    """mm of a place from a helix of 10 mm around the origin, 1 rad from X = 10 mm, Z0 to Z5."""
+    one = np.ones(1)
+    arcs = SimpleNamespace(
+        first=np.array([0]), second=np.array([1]), centre=np.zeros((2, 1)), angle=0 * one,
+        sweep=one, radius=10 * one, radius_end=10 * one,
+    )  # fmt: skip
+    start, target = np.array([[10.0], [0.0], [0.0]]), np.array([[0.0], [0.0], [5.0]])
+    found = _from_arc(
+        cast(Any, SimpleNamespace(corrected=(0, 1, 2))), cast(Any, SimpleNamespace(arcs=arcs)),
+        np.array([0]), np.array([t]), np.array(actual)[:, None], start, target,
+    )  # fmt: skip
+    return float(found[0])
+
+
+def test_beside_an_arc_is_across_it_in_and_out_of_its_plane():
+    """Half way: 10 um outwards; 10 um above, of which the part across the helix counts, 10 mm/rad
+    against 5. Behind its end nothing is off along its own direction."""
+    c, s = math.cos(0.5), math.sin(0.5)
+    assert on_helix([10 * c, 10 * s, 2.5], 0.5) == pytest.approx(0.0, abs=1e-9)
+    assert on_helix([10.01 * c, 10.01 * s, 2.5], 0.5) == pytest.approx(0.01)
+    assert on_helix([10 * c, 10 * s, 2.51], 0.5) == pytest.approx(0.01 * 10 / math.hypot(10, 5))
+    ahead = 1.001
+    place = [10 * math.cos(ahead), 10 * math.sin(ahead), 5 * ahead]
+    assert on_helix(place, 1.0) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_at_its_end_an_arc_has_the_direction_in_which_it_came():
+    """A quarter about the origin with the clock, to its top: X and Y go up all the way, and behind
+    it both have that side."""
+    way = Way(
+        0, np.array([-10.0, 0.0]), np.array([0.0, 10.0]), (0, 1), (0.0, 0.0), sweep=-np.pi / 2
+    )
+    contour = SimpleNamespace(approach=np.zeros(2))
+    judge = SimpleNamespace(at_work=None, directed=True)
+    side = CentreVerifier._approach(
+        cast(Any, judge), cast(Any, contour), way, np.array([0.0, 0.5, 1.0])
+    )
+    assert side.tolist() == [[1.0] * 3] * 2 and contour.approach.tolist() == [1.0, 1.0]

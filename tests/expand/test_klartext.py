@@ -64,12 +64,15 @@ def places(lines: list[str], start=(0.0, 0.0, 0.0)) -> list[tuple[float, ...]]:
         ("L X+40 Y+40|CR X+70 Y+40 R-20 DR-", (40, 40), (55, 40 + math.sqrt(175)), -262.819244, 0),
         ("L X+40 Y+40|CR X+70 Y+40 R-20 DR+", (40, 40), (55, 40 - math.sqrt(175)), 262.819244, 0),
         ("CC X+25 Y+25|LP PR+20 PA+0|CP PA+180 DR+", (45, 25), (25, 25), 180, 0),
+        # to an angle the other way round, by the long way
+        ("L X+25 Y+45|CC X+25 Y+25|CP PA+0 DR+", (25, 45), (25, 25), 270, 0),
+        ("L X+25 Y+45|CC X+25 Y+25|CP PA+180 DR-", (25, 45), (25, 25), -270, 0),
         ("L X+30 Y+25|CC X+25 Y+25|CP IPA-1800 IZ-5 DR-", (30, 25), (25, 25), -1800, -5),
         ("L X+3 Y+4|CC|L X+13|CC IX-10|CP IPA+90 DR+ Z-2", (13, 4), (3, 4), 90, -2),
     ],
 )
 def test_arcs(arc, start, centre, degrees, depth):
-    """Every place on the circle, every chord within the tolerance, the whole turn, Z evenly."""
+    """Every place on the circle, every chord within the tolerance, the whole turn, all evenly."""
     found = places(plain(arc))
     points = found[found.index((*start, 0)) :]
     assert all(math.dist(p[:2], centre) == pytest.approx(math.dist(start, centre), abs=3e-4)
@@ -77,6 +80,7 @@ def test_arcs(arc, start, centre, degrees, depth):
     angles = [math.atan2(p[1] - centre[1], p[0] - centre[0]) for p in points]
     steps = [math.remainder(b - a, math.tau) for a, b in zip(angles, angles[1:], strict=False)]
     assert math.degrees(sum(steps)) == pytest.approx(degrees, abs=2e-3)
+    assert steps == pytest.approx([steps[0]] * len(steps), abs=1e-4)
     radius = math.dist(start, centre)
     assert all(radius * (1 - math.cos(s / 2)) <= TOLERANCE * 1.01 for s in steps)
     for k, point in enumerate(points):

@@ -4,6 +4,8 @@ or is refused. Truth and noise are drawn; nothing of the fit's own u is taken fo
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -127,3 +129,16 @@ def test_angles_of_two_set_ups_have_a_zero_each(tmp_path):
     assert value == pytest.approx(apart.values(u.groups[0])[0], abs=1e-12)
     assert np.abs(value - truth).max() < 3e-6 and s.max() < 1.5e-6
     assert not identify.undetermined(together)
+
+
+def test_the_standard_uncertainty_at_a_place_is_that_of_its_numbers():
+    """A squareness of 5 urad with 2 urad, at an arm of 300 mm: 1.5 um with 0.6."""
+    found = SimpleNamespace(
+        unknowns=SimpleNamespace(columns=lambda *_: np.array([[[300.0], [0.0], [0.0]]])),
+        numbers=np.array([5e-6]),
+        covariance=np.array([[(2e-6) ** 2]]),
+    )
+    none = np.zeros((3, 1))
+    off, u = solve.Fit.at(cast(Any, found), none, none, none)
+    assert off[:, 0] == pytest.approx([1.5e-3, 0.0, 0.0])
+    assert u[:, 0] == pytest.approx([0.6e-3, 0.0, 0.0])
