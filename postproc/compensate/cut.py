@@ -100,7 +100,11 @@ def straight_pieces(b: Batch) -> Packed | None:
         start, end, nominal, share, code = parts
         none = np.zeros(len(straight), np.int64)
         return pack(b, straight, none, code, start, end, share, nominal)
-    # Cuts come before the end of their own stroke; both are in order already.
+    # Cuts come before the end of their own stroke; both are in order already. Two cuts of the first
+    # of two strokes, one of the second:
+    #     stroke     0 0 0 1 1
+    #     place_cut  0 1   3
+    #     place_end      2   4
     cut = chosen[owner]
     of = np.searchsorted(straight, cut)
     place_cut = of + np.arange(len(of))

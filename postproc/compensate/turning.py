@@ -56,7 +56,12 @@ def within(
 def _of_slides(b: Columns) -> list[tuple[np.ndarray, np.ndarray]]:
     """Per two-way slide (K,) motion and t of the places where it turns back by more than the
     hysteresis while the tip goes straight, on a face along an arc too: looked for at LOOKS places,
-    and put where a parabola through three of them turns."""
+    and put where a parabola through three of them turns.
+
+          _.-o-._            Of values before, here and behind at even steps, and with bend = 2 here
+        .'   |   `o          - before - behind, its top lies (behind - before) / (2 bend) steps
+       o     |    |          behind the middle one, and (behind - before)^2 / (8 bend) above it.
+    before  here  behind     From below it is the same of the negative values."""
     assert isinstance(b.machine, TipMachine)
     m = b.m
     kinds = (m.code >= FEED) & (m.code <= COUNTER)

@@ -184,7 +184,9 @@ class Bounds:
     @cached_property
     def twist(self) -> np.ndarray:
         """(A, A) 1/mm: bound of the product terms; moving axis i by a and j by b bends the
-        deviation by twist * a * b / 4."""
+        deviation by twist * a * b / 4: along a line x y leaves its chord by a b t (1 - t), t from 0
+        to 1, which is most in the middle. An angle is such a term: its table's value, which rises
+        along its own axis, times an arm that another axis makes longer."""
         m = self.machine
         result = np.zeros((len(m.letters),) * 2)
 
@@ -218,6 +220,7 @@ class Bounds:
         parts = [twist * (size[i] * size[j]) for i, j, twist in self._quarters]
         result: np.ndarray = sum(parts[1:], parts[0]) if parts else np.zeros(way.shape[1])
         if self.machine.chain.rotary:
+            # what curves by f'' at most leaves its chord by f'' t (1 - t) / 2 at most
             result = result + self._turning(way) / 8
         return result
 
@@ -278,6 +281,7 @@ class Bounds:
             shift_rise, lean_rise = shift_rise + 2 * more, lean_rise + 2 * turn
         if (stands := self.machine.locations.get(letter)) is not None:
             more, turn = _halves(stands)
+            # It acts twice, on what comes to the axis and on what leaves it: B R B^-1.
             shift, lean = shift + 2 * more, lean + 2 * turn
         return shift, lean, shift_rise, lean_rise
 

@@ -108,6 +108,9 @@ class TipMachine(Machine):
         """(R, N) rad by which the rotary axes seem to be off, as a lean (3, N) rad tells it."""
         ways, tool = poses.axes_of(self.base, slides)
         each = np.stack([_across(tool, way) for way in ways], axis=1)  # (3, R, N)
+        # Least squares of each @ turn = lean by singular values: `size` is how far the tool turns
+        # by a rad of the axes in the direction that `right` gives. 1 / size would grow beyond all
+        # bounds towards a pole; below SOFT the gain falls to 0 with it instead.
         left, size, right = np.linalg.svd(each.transpose(2, 0, 1), full_matrices=False)
         gain = size / np.maximum(size, SOFT) ** 2
         turn: np.ndarray = np.einsum("nij,in->nj", left, _across(tool, lean)) * gain

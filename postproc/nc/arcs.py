@@ -1,8 +1,15 @@
-"""From arc words to circles: centre, radii and sweep, as the control sees them.
+r"""From arc words to circles: centre, radii and sweep, as the control sees them.
 
 Plane axes are ordered as RS274/NGC 3.5.3 has them: G17 X Y, G18 Z X, G19 Y Z; counter-clockwise
 turns the first towards the second. I J K are radii whatever the diameter mode. R gives the shorter
 way round, -R the longer.
+
+       end o.                     G3 in G17. I J lead from the start to the centre, or are the
+            \ `.  sweep           centre's place (G90.1). `arm`, from the centre to the start,
+     arm_end \  `.                stands at `angle` and turns by `sweep`, counter-clockwise above
+              \   :               0. That arm_end is as long as arm the control checks: both
+        centre o---o start        follow from words that were rounded on their own.
+                arm
 """
 
 from __future__ import annotations
@@ -109,10 +116,12 @@ def arcs_of(
         if len(words.letter)
         else np.zeros((2, n), np.uint8)
     )
+    # Siemens says it in the word, I=AC(5) or I=IC(5); others by the mode that holds.
     by_letter = (centre_word[:2] >= 0) & (written >= RELATIVE)
     stated = np.where(by_letter, written >= ABSOLUTE, circle.absolute[arc])
     absolute = stated & ~by_radius
     origin = np.stack([places.origin[row_a, arc], places.origin[row_b, arc]])
+    # A distance that is not written is 0; of a place both words are needed.
     one = np.where(circle.absolute[arc], centre_word[:2].min(axis=0), centre_word[:2].max(axis=0))
     missing = ~by_radius & (one < 0)
     batch.blame(
@@ -134,6 +143,8 @@ def arcs_of(
     radius, radius_end = np.hypot(*arm), np.hypot(*arm_end)
     angle = np.arctan2(arm[1], arm[0])
     sweep = np.arctan2(arm_end[1], arm_end[0]) - angle
+    # By ticks, not by the angle: an end that equals the start to the last digit makes a full
+    # circle, one that is a rounding away from it an arc of next to nothing, or of nearly a turn.
     same = (start == end).all(axis=0)
     sweep = np.where(
         counter,
@@ -179,7 +190,10 @@ def _centre_by_radius(
     radius: np.ndarray,
     counter: np.ndarray,
 ) -> np.ndarray:
-    """(2, n) mm: the centre; what can not be one is blamed."""
+    """(2, n) mm: the centre; what can not be one is blamed.
+
+    It lies on the line that halves the chord, h beside it: h^2 = R^2 - (length / 2)^2. Where the
+    chord is longer than 2 R by a rounding alone, half a circle is meant and h is 0."""
     length = np.hypot(*(end - start))
     tolerance = batch.dialect.radius_tolerance_mm
     short = by_radius & (length / 2 > np.abs(radius) + tolerance)
@@ -230,7 +244,8 @@ def _turns(batch: Batch, circle: Circle, arc: np.ndarray, sweep: np.ndarray) -> 
 def _check(
     batch: Batch, blocks: np.ndarray, good: np.ndarray, radius: np.ndarray, radius_end: np.ndarray
 ) -> None:
-    """The control's radius check."""
+    """The control's radius check: both arms may differ by a length, and on large arcs by a share of
+    the radius, up to a length that is too much on any (the dialect says all three)."""
     d = batch.dialect
     miss = np.abs(radius - radius_end)
     largest = np.maximum(radius, radius_end)

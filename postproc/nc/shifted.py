@@ -1,10 +1,18 @@
-"""The way of the tool's centre that LinuxCNC makes of a contour under G41 G42, with its rules of
+r"""The way of the tool's centre that LinuxCNC makes of a contour under G41 G42, with its rules of
 gouging.
 
 A follower of its own, block by block: an outside corner is an arc around the corner, an inside
 corner the place where the shifted blocks meet, and a bend of less than CORNER is none. A block is
 kept in a queue until the next one that moves in the plane says where it ends, as in the control, so
 that blocks along the tool between two of the contour end there too.
+
+    outside: around             inside: meet
+
+                                     |  ||          --   way of the centre
+    --------c.                       |  ||          ==   contour
+    ========op \                 ----+..c|          op   corner, as programmed
+            ||  |                =======op          c    where the centre's block would end, beside
+            ||  |                                        op, did the next one not say otherwise
 
 Source: LinuxCNC, src/emc/rs274ngc/interp_convert.cc (convert_straight_comp1 and 2,
 convert_arc_comp2), interp_queue.cc (move_endpoint_and_flush); the names of angles are theirs.

@@ -1,9 +1,22 @@
-"""How long motions take, with accelerations: a planner that looks as far ahead as the controller's.
+r"""How long motions take, with accelerations: a planner that looks as far ahead as the
+controller's.
 
 GRBL's rules (gnea/grbl planner.c, the comments above planner_recalculate, and plan_buffer_line):
 along a motion the rate and the acceleration of the slowest axis for its direction ($110.., $120..)
 count; at a junction the speed at which a circle that leaves the corner by $11 could be gone round
 with that acceleration; before a stop of the queue it can brake to zero within what it holds.
+
+Squares of speeds rise and fall evenly along the way, by 2 a per mm:
+
+    v^2 |      _____________ rate^2         Without room for the rate both ramps meet where
+        |     /             \               peak^2 = (2 a length + enter^2 + leave^2) / 2.
+        |    /               \ leave^2
+        |   / enter^2         |
+        +--------------------------> way
+
+At a corner of angle theta between the ways (straight on: 180 degrees) the circle that touches both
+and passes $11 beside the corner has the radius R = $11 sin(theta/2) / (1 - sin(theta/2)), and v^2 =
+a R.
 """
 
 from __future__ import annotations
@@ -114,7 +127,7 @@ class Pace:
             return 0.0  # it turns back
         if cosine < -0.999999:
             return math.inf
-        half = math.sqrt(0.5 * (1.0 - cosine))
+        half = math.sqrt(0.5 * (1.0 - cosine))  # sin(theta / 2)
         return acceleration * self._deviation * half / (1.0 - half)
 
     def _chords(self, places: Sequence[Sequence[float]], acceleration: float) -> float:
@@ -141,6 +154,8 @@ class Pace:
         """The oldest block is executed."""
         self._backward()
         block = self._queue.popleft()
+        # Backwards says how fast it may be so as to brake in time, forwards how fast it can be by
+        # now: the lower one holds.
         block.entry = min(block.entry, self._leave)
         following = self._queue[0].entry if self._queue else 0.0
         self._leave = min(following, block.entry + 2 * block.acceleration * block.length)
