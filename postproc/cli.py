@@ -29,6 +29,8 @@ HELPERS = (
     "residual", "session", "simulate_named", "simulate_options", "values", "warming",
 )  # fmt: skip
 ALIKE = 0.75  # of difflib's ratio: two letters changed places, or one is missing
+# what a new file or folder is called until it is whole
+HIDDEN = r"\.(.+)\.[a-z0-9_]{8}(?:\.part)?"
 REFUSED, FAILED, INTERRUPTED, CLOSED_PIPE = 2, 1, 130, 141
 
 
@@ -121,6 +123,12 @@ def _answered(argv: list[str] | None) -> int:
 
 def _of_surroundings(error: OSError) -> str:
     """What failed, and what that means for files."""
+    path, name = os.path.split(str(error.filename or ""))
+    if made := re.fullmatch(HIDDEN, name):
+        return (
+            f"{os.path.join(path, made[1])} can not be written: {error.strerror}"
+            "\n    name a place that you may write to, with room on its disk"
+        )
     what = f"{error.filename}: " if error.filename else ""
     full = (
         "; the output is not complete, a file that stood there before still does"
@@ -246,7 +254,7 @@ def _overview(argv: list[str]) -> int:
         module = importlib.import_module(f"postproc.commands.{name}")
         sub.add_parser(name, help=module.HELP)
         if name == DEFAULT:
-            parser.epilog = f"example: {module.EXAMPLE}    more: gcomp {name} --help"
+            parser.epilog = f"more: gcomp COMMAND --help; example: {module.EXAMPLE}"
     parser.print_help(sys.stdout if argv else sys.stderr)
     return 0 if argv else REFUSED
 

@@ -12,6 +12,7 @@ import subprocess
 
 import pytest
 
+from postproc.cli import main
 from tests.command_process import (
     COMMAND,
     FAULTY,
@@ -26,6 +27,10 @@ from tests.command_process import (
     pty,
     refused,
     surroundings,
+)
+
+MILL = ("--kind", "mill", "--control", "haas", "--squareness", "C0Y=50") + tuple(
+    word for x in "XYZ" for word in ("--travel", f"{x}=0,300")
 )
 
 # -- where it goes ---------------------------------------------------------------------------------
@@ -191,6 +196,33 @@ def test_an_output_that_can_not_be_written_is_named_as_it_was_given(place):
     assert ran.status in (1, 2)
     assert "nowhere" in ran.err
     assert ".part" not in ran.err
+
+
+@pytest.mark.parametrize(
+    ("words", "path"),
+    [
+        (("part.nc", "-o", "home/out.nc"), "home/out.nc"),
+        (("machines", "new", "m", *MILL, "-o", "home/m"), "home/m"),
+    ],
+)
+def test_where_nobody_may_write_the_file_is_named_as_it_was_to_be(
+    monkeypatch, tmp_path, capfd, words, path
+):
+    """Root may write anywhere: what the system would answer is made up."""
+
+    def denied(*_, prefix, dir, suffix="", **__):
+        raise PermissionError(13, "Permission denied", f"{dir}/{prefix}ab3_x9kz{suffix}")
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "home").mkdir()
+    (tmp_path / "part.nc").write_bytes(PROGRAM)
+    for maker in ("mkstemp", "mkdtemp", "TemporaryDirectory"):
+        monkeypatch.setattr(f"tempfile.{maker}", denied)
+    grinder = () if words[0] == "machines" else GRINDER
+    assert main([*words, *grinder]) == 1
+    said = capfd.readouterr().err.splitlines()
+    assert said[-2] == f"gcomp: {tmp_path / path} can not be written: Permission denied"
+    assert said[-1] == "    name a place that you may write to, with room on its disk"
 
 
 def test_an_output_that_is_a_folder_is_named_not_the_program(place):

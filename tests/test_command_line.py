@@ -36,7 +36,9 @@ PAGES = ("README.md", "sample_recordings/README.md")
             ["a.nc", "b.nc", "--machine", "perfect"],
             "one program at a time, and b.nc is another\n    gcomp batch PROGRAM... -o DIR",
         ),
+        (["a.nc", "--machine", "perfekt"], "did you mean perfect? machines: "),
         (["a.nc", "--machine", "perfekt"], "(looked in "),
+        (["a.nc", "--machine", "lathes/perfect"], "gcomp machines lists those"),
         (["iso", "x.csv", "--figur", "--colour=red"], "--help lists the options"),
     ],
 )

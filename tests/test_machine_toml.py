@@ -333,6 +333,17 @@ def test_names_that_there_are_not_are_answered_with_those_that_there_are():
         places.load("machines/studer")
 
 
+def test_what_force_has_left_of_a_machine_is_not_offered(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("mine", "mine.bak", "mine.bak2"):
+        (tmp_path / "machines" / name).mkdir(parents=True)
+        (tmp_path / "machines" / name / "machine.toml").write_text("")
+    with pytest.raises(UsageError) as caught:
+        places.folder_of("mien")
+    assert "did you mean mine? machines: mine, example" in caught.value.advice
+    assert places.folder_of("mine.bak").name == "mine.bak"
+
+
 def test_the_byte_that_is_no_text_is_named_behind_a_byte_order_mark_too():
     assert intake.decoded(b"\xef\xbb\xbfname\n", "a.toml", GcompError) == "name\n"
     with pytest.raises(GcompError, match="a.toml:2: byte 254 is not UTF-8"):

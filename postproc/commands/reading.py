@@ -33,7 +33,7 @@ def machine_of(options: argparse.Namespace) -> Machine:
     from postproc.machine import places
 
     if not options.machine:
-        names = ", ".join(places.every()) or "none found"
+        names = ", ".join(places.shown()) or "none found"
         raise UsageError(
             "--machine is missing: for which machine?",
             f"machines: {names}; or the path of a machine folder",

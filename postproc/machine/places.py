@@ -7,8 +7,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from postproc.errors import UsageError
+from postproc.expressions import expression
 from postproc.machine.file import read_machine
 from postproc.machine.model import Machine
+
+KEPT = expression(r".+\.bak\d*")  # what --force leaves of a machine's folder
+ALIKE = 0.75  # of difflib's ratio: two letters changed places, or one is missing
 
 
 def folders() -> Iterator[Path]:
@@ -37,6 +41,11 @@ def _within(folder: Path) -> dict[str, Path]:
     return {x.name: x for x in sorted(folder.iterdir()) if (x / "machine.toml").is_file()}
 
 
+def shown() -> list[str]:
+    """Names for a message: not those of copies that --force has left."""
+    return [name for name in every() if not KEPT.fullmatch(name)]
+
+
 def every() -> dict[str, Path]:
     """All machines by name."""
     found: dict[str, Path] = {}
@@ -52,16 +61,22 @@ def folder_of(name: str) -> Path:
     path = Path(name)
     if (len(path.parts) > 1 or path.is_absolute()) or (path / "machine.toml").is_file():
         if not path.is_dir():
-            raise UsageError(f"there is no machine folder {name}")
+            raise UsageError(
+                f"there is no machine folder {name}",
+                "gcomp machines lists those that are found by their name alone",
+            )
         return path
     for folder in folders():
         if name in (found := _within(folder)):
             return found[name]
-    names = ", ".join(every()) or "none"
+    from difflib import get_close_matches  # where something is wrong alone
+
+    known = shown()
+    near = "".join(f"did you mean {x}? " for x in get_close_matches(name, known, 1, ALIKE))
     raise UsageError(
         f"there is no machine {name!r}",
-        f"machines: {names} (looked in {', '.join(map(str, folders()))});"
-        " or give the path of a machine folder",
+        f"{near}machines: {', '.join(known) or 'none'}"
+        f" (looked in {', '.join(map(str, folders()))}); or give the path of a machine folder",
     )
 
 
