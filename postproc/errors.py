@@ -108,3 +108,14 @@ class Notice:
     refusal: tuple[str, str] = ("", "")
     # of several of one code the sums are told, in the message's {0}, {1}...
     counts: tuple[int, ...] = ()
+
+    def counted(self) -> str:
+        """The message with its sums; a part between semicolons whose sums are all 0 is not said."""
+        every = [f"{{{k}}}" for k in range(len(self.counts))]
+        some = {holder for holder, n in zip(every, self.counts, strict=True) if n}
+        said = [
+            part
+            for part in self.message.split("; ")
+            if not (held := {holder for holder in every if holder in part}) or held & some
+        ]
+        return "; ".join(said).format(*self.counts)

@@ -386,7 +386,7 @@ class Filter:
                 notice = replace(first, counts=sums)
             self._counted[notice.code] = notice
             self.notices[:] = [n for n in self.notices if n.code != notice.code]
-            self.notices.append(replace(notice, message=notice.message.format(*notice.counts)))
+            self.notices.append(replace(notice, message=notice.counted()))
             return
         if self._reported.get(notice.code, -1.0) < notice.size:
             self._reported[notice.code] = notice.size

@@ -103,7 +103,7 @@ def test_homing_z_may_go_to_the_middle_of_the_bed(before, kept):
 def test_a_feed_from_nowhere_is_counted_though_nothing_else_is_unknown():
     """Its end alone is corrected: the way there leaves from a place that nobody has told."""
     filter_, _ = filtered("G1 X60 Y3 Z5 F600\nG1 X80\n")
-    assert "as they are: 0 (feeds: 0); feeds corrected at their ends alone: 1" in notice(
+    assert "feeds corrected at their ends alone: 1; where the axes stand there" in notice(
         filter_, "unknown"
     )
 

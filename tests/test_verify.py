@@ -66,6 +66,29 @@ def test_what_a_reversal_moves_another_axis_by_is_allowed_where_it_turns(tmp_pat
     assert verifier.allowed - m.lateral < verifier.corrected.deviation < 12.1 * UM
 
 
+def test_where_more_than_the_tolerance_is_left_the_line_says_what_is_let_pass(tmp_path):
+    """The tolerance, half an increment, and one and a half of hysteresis."""
+    m = machine(tmp_path / "m", backlash("X", 50))
+    program = "G0 X0 Y0 Z0\nG1 X100 F500\nX50\nM2\n"
+    said = " um (let pass, where slides turn back and by rounding: "
+    assert said not in verified(m, program).report()
+    verifier = verified(m, program, b"X49.9750", b"X49.9767")
+    assert verifier.passed and f"{said}{verifier.allowed / UM:.2f} um); 3 motions" in (
+        verifier.report()
+    )
+    assert not verified(m, program, b"X49.9750", b"X49.9950").passed
+
+
+def test_where_no_place_is_known_it_says_that_nothing_was_compared(tmp_path):
+    m = machine(tmp_path / "m", "", X=BENT)
+    verifier = verified(m, "G1 X10 Y10 F500\nX50\nM2\n")
+    assert verifier.report() == (
+        "nothing: no place of the path is known in all of X Y Z, and none was compared (--start"
+        " says where the program begins); 2 motions in, 2 out"
+    )
+    assert verified(m, "G0 Z0\nG1 X10 Y10 F500\nX50\n").report().startswith("largest deviation")
+
+
 def test_a_block_behind_a_reversal_begins_in_its_own_direction(tmp_path):
     """A map turned round (a control that takes up 8 um too much), a circle whose X turns back where
     a block of the output begins: its first place has the side of the way ahead, not behind."""

@@ -75,9 +75,9 @@ def compensate(
 
     program: a Path is a file; str and bytes are the program's text; anything else that can be
     iterated gives its pieces, cut anywhere. machine: as `load_machine` returned it, or its name or
-    folder. verify: replay the result too, and refuse it if it is over the tolerance. Raises
-    ProgramError with line, columns and the way out where a program can not be corrected, UsageError
-    for a setting that can not be.
+    folder. verify: replay the result too, and refuse it if more is left than is let pass
+    (Verified.allowed_um). Raises ProgramError with line, columns and the way out where a program
+    can not be corrected, UsageError for a setting that can not be.
     """
     options = _options(dict(settings), program)
     options.verify = verify

@@ -32,7 +32,7 @@ file? FILE  the program; standard input if missing
 --dry-run  write no program: say what would change
 [what it says]
 --verify  replay the output on the machine's model and report the largest deviation left; refuse
-    the output if it is over the tolerance
+    the output if that is more than the tolerance and what turning slides and rounding add
 --json FILE  what was done as JSON (gcomp-program/1); - for standard output, with -o
 --report FILE.html  a page: the path, its deviation before and after, where and in which lines
     (verifies too)

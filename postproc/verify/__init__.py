@@ -191,6 +191,7 @@ class Verifier(Figures):
         along it (`ends`)."""
         for hole in holes_of(self.machine, nominal, run):
             motion = hole.motion
+            self.compared = True
             for slides, weight in enumerate(hole.weights(led)):
                 weight = weight * self.follows
                 if ends is self.corrected and not slides:
@@ -260,6 +261,7 @@ class Verifier(Figures):
             place = np.concatenate([place, np.ones(len(ends)), np.zeros(len(begins))])
             if not len(row):
                 continue
+            self.compared = True
             command = points_of(run, curved, row, place)
             t = t0[row] + (t1 - t0)[row] * place
             # A piece may begin or end where an axis turns back: it begins in the direction of the

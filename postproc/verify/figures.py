@@ -36,6 +36,7 @@ class Figures:
         self.oriented = filter_.options.orientation and bool(self.machine.chain.rotary)
         self.tips = False  # whether any motion was one of the tip
         self.splines = False  # whether any was a control point
+        self.compared = False  # whether any place of the path is known
         self.motions_in = self.motions_out = 0
 
     @property
@@ -63,15 +64,29 @@ class Figures:
 
 def _line(v: Figures) -> str:
     """One line for a person: before, after, and their ratio."""
+    counts = f"{v.motions_in} motions in, {v.motions_out} out"
+    if v.motions_in and not v.compared:
+        axes = " ".join(v.machine.letters[row] for row in v.machine.chained)
+        return (
+            f"nothing: no place of the path is known in all of {axes}, and"
+            f" none was compared (--start says where the program begins); {counts}"
+        )
     before, after = v.uncorrected.deviation, v.corrected.deviation
     ratio = f", {before / after:.0f} times less" if before > after > SEEN else ""
     return (
         f"largest deviation from the nominal path {after / UM:.2f} um{_at(v.corrected.line)},"
         f" uncorrected {before / UM:.2f} um{_at(v.uncorrected.line)}{ratio}{_lost_motion(v)};"
-        f" tolerance {v.tolerance / UM:g} um; {v.motions_in} motions in, {v.motions_out}"
-        f" out{_of_holes(v)}{_of_splines(v)}{_beside(v)}{_of_lean(v)};"
+        f" tolerance {v.tolerance / UM:g} um{_above(v)}; {counts}"
+        f"{_of_holes(v)}{_of_splines(v)}{_beside(v)}{_of_lean(v)};"
         f" {v.map.report()}"
     )
+
+
+def _above(v: Figures) -> str:
+    """Why more than the tolerance may be left, where it is."""
+    if not v.tolerance < v.corrected.deviation <= v.allowed:
+        return ""
+    return f" (let pass, where slides turn back and by rounding: {v.allowed / UM:.2f} um)"
 
 
 def _at(line: int) -> str:
