@@ -251,12 +251,9 @@ def _format_of(source: Source, options: ReadingOptions | None) -> str:
         return "iso-spreadsheet"
     if name := _recognised(source, names()):
         return name
-    raise source.fault(
-        1,
-        "this looks like no recording that gcomp knows",
-        f"formats: {', '.join(names())}; a table of your own needs its columns named, like --column"
-        " Z_mm=NAME --column reading_um=NAME",
-    )
+    # by its name, as the formats: it rests on them, and they on this file
+    unknown = importlib.import_module(f"{__name__}._unknown")
+    raise source.fault(*unknown.said(source, names()))
 
 
 def read(source: Source, format: str = "", options: ReadingOptions | None = None) -> Recording:

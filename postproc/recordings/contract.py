@@ -218,9 +218,15 @@ def _needed_moving(head: dict[str, Any], names: list[str], place: Place) -> set[
     position = {x: f"{x}{suffix}_{'mm' if x in 'XYZ' else 'deg'}" for x in AXES}
     axes = [x for x in AXES if position[x] in names]
     if not axes:
+        if other := next((d for d in ";\t" if len(names) == 1 and d in names[0]), ""):
+            raise RecordingError(
+                f"the columns are parted by {'tabs' if other == chr(9) else 'semicolons'}",
+                "commas part them, and points stand in numbers: save the table as CSV that way",
+                place,
+            )
         raise RecordingError(
             f"no column X{suffix}_mm, Y{suffix}_mm or Z{suffix}_mm",
-            "the position is missing",
+            f"the position is missing; columns here: {', '.join(names)}",
             place,
         )
     return {position[x] for x in axes} | _needed_measured(head, names, axes, place)

@@ -43,7 +43,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     not there."""
     content, _ = text.decoded(source)
     lines = [(n, line) for n, line in enumerate(text.lines_of(content), 1) if line.strip()]
-    head = HEAD.fullmatch(lines[0][1].strip())
+    head = HEAD.fullmatch(lines[0][1].strip()) if lines else None
     if head is None or int(head[1]) == 0:
         raise source.fault(
             1, "the first line is not the sampling period", "Sampling period is 1000000 ns"

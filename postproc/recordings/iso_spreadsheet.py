@@ -39,7 +39,7 @@ LONG = {
     ),
     "time": re.compile(r"^(time|date|timestamp|zeit|t_s)\b", re.I),
 }
-WORDS = re.compile(r"up|down|↑|forward|reverse|fwd|rev|run|dir", re.I)
+WORDS = re.compile(r"up|down|↑|forward|reverse|fwd|rev|run|dir|lauf|richtung", re.I)
 
 
 def recognises(source: Source) -> bool:

@@ -199,3 +199,49 @@ def test_mutations_end_in_a_recording_or_a_sentence(which, seed, changes):
 @given(st.sampled_from(names()), st.binary(max_size=300), st.integers(0, len(VALID) - 1))
 def test_any_bytes_in_any_reader_end_in_a_recording_or_a_sentence(format, data, which):
     survives("any.csv", data, {**VALID[which][2], "format": format, "extra": {}})
+
+
+HEAD_AWAY = "\n".join(line for line in OWN.splitlines() if not line.startswith("#"))
+
+
+@pytest.mark.parametrize(
+    ("data", "says", "way"),
+    [
+        (OWN.replace("# ", '"# ', 1), "the head is not one", "each of its lines with #"),
+        (OWN.encode("utf-16"), "stored as UTF-16", "save it as UTF-8"),
+        (HEAD_AWAY, "are columns of gcomp's own format", '# kind = "targets"'),
+        (b"PK\x03\x04..mimetypeapplication/vnd.oasis.opendocument", "OpenDocument", ".xlsx"),
+        (b"PK\x03\x04" + bytes(40), "an archive", ".xlsx"),
+        (b"\xd0\xcf\x11\xe0" + bytes(40), "(.xls)", ".xlsx"),
+        (
+            "Target;Run 1;Run 2\n0;0,3;-5,5\n25;4,1;-2,0\n",
+            "2 columns of readings (Run 1, Run 2), whose",
+            "--layout interleaved",
+        ),
+    ],
+)
+def test_what_is_nearly_a_recording_is_told_what_it_lacks(data, says, way):
+    with pytest.raises(GcompError) as caught:
+        read_all(source("a.csv", data))
+    assert says in caught.value.message and way in caught.value.advice
+    assert "formats: " not in caught.value.advice
+
+
+def test_columns_parted_by_semicolons_are_named_as_such():
+    head, rows = OWN.split("run,", 1)
+    for delimiter, name in ((";", "semicolons"), ("\t", "tabs")):
+        text = head + ("run," + rows).replace(",", delimiter)
+        with pytest.raises(GcompError, match=f"the columns are parted by {name}"):
+            read_all(source("a.csv", text))
+
+
+def test_a_german_sheet_whose_headings_name_the_directions_is_read():
+    text = "Position [mm];Lauf 1 +;Lauf 1 -\n0,0;0,3;5,5\n25,0;4,1;9,0\n50,0;1,1;7,0\n"
+    (recording,) = read_all(source("a.csv", text), options=ReadingOptions(axis="X", unit="um"))
+    assert recording.columns["approach_X"].tolist() == [1, 1, 1, -1, -1, -1]
+    assert recording.columns["reading_um"].tolist() == [0.3, 4.1, 1.1, 7.0, 9.0, 5.5]
+
+
+def test_a_halscope_log_of_a_byte_order_mark_alone_is_refused():
+    with pytest.raises(GcompError, match="the first line is not the sampling period"):
+        read_all(source("a.log", b"\xef\xbb\xbf"), "halscope")

@@ -1,0 +1,76 @@
+"""What to say of a file that looks like no recording: of what it nearly is, and of what it is
+instead."""
+
+from __future__ import annotations
+
+import re
+
+from postproc.recordings import RecordingError, Source, _sheet, contract
+from postproc.recordings import _text as text
+
+# A file's first bytes, what else it holds, and what it is.
+OTHERS = (
+    (b"PK\x03\x04", b"opendocument", "an OpenDocument file"),
+    (b"PK\x03\x04", b"", "an archive, and no .xlsx workbook"),
+    (b"\xd0\xcf\x11\xe0", b"", "a workbook of an old kind (.xls)"),
+    (b"%PDF", b"", "a PDF"),
+)
+OWN = re.compile(r"(?:reading_um|reading_urad|radial_um|[XYZABC]_(?:cmd_)?(?:mm|deg))")
+
+
+def said(source: Source, known: list[str]) -> tuple[int, str, str]:
+    """The line, what is wrong with it, and the way out. known: names of the formats."""
+    for begin, holds, what in OTHERS:
+        if source.data.startswith(begin) and holds in source.data:
+            return 1, f"this is {what}", "save the table as CSV, or as .xlsx"
+    try:
+        content, _ = text.decoded(source)
+        found = _near_own(source, content) or _a_sheet(source, content)
+    except RecordingError:
+        found = None
+    return found or (
+        1,
+        "this looks like no recording that gcomp knows",
+        f"formats: {', '.join(known)}; a table of your own needs its columns named, like --column"
+        " Z_mm=NAME --column reading_um=NAME",
+    )
+
+
+def _near_own(source: Source, content: str) -> tuple[int, str, str] | None:
+    """Of gcomp's own format, with its head changed or gone."""
+    lines = text.lines_of(content)
+    for number, line in enumerate(lines[:200], 1):
+        if contract.FORMAT in line:
+            if source.data.startswith(tuple(text.BOMS)):
+                return number, "a gcomp recording, stored as UTF-16", "save it as UTF-8"
+            return (
+                number,
+                f"{contract.FORMAT} is named here, and the head is not one",
+                f'it begins with # format = "{contract.FORMAT}", as UTF-8, and each of its lines'
+                " with #: no quotes around a line, no cells behind it",
+            )
+    names = [name.strip() for name in re.split(r"[,;\t]", lines[0])]
+    own = [name for name in names if OWN.fullmatch(name)]
+    if len(own) < 2:
+        return None
+    return (
+        1,
+        f"{', '.join(own)} are columns of gcomp's own format, and its head is missing",
+        f'above them: # format = "{contract.FORMAT}", # kind = "targets", # sensitive ='
+        " { Z = 1.0 } (docs/RECORDING.md)",
+    )
+
+
+def _a_sheet(source: Source, content: str) -> tuple[int, str, str] | None:
+    """A table of targets and readings whose headings leave the directions open."""
+    sheet = _sheet.find(source, text.table(source, content))
+    if len(sheet.columns) < 2 or len(sheet.rows) < 2:
+        return None
+    titles = ", ".join(column.title for column in sheet.columns[:6])
+    return (
+        sheet.line,
+        f"a table of targets and of {len(sheet.columns)} columns of readings ({titles}), whose"
+        " headings do not say which way each went",
+        "--layout interleaved (up 1, down 1, up 2 ...) or --layout blocks, with --axis and --unit;"
+        " or --column Z_mm=NAME --column reading_um=NAME for one of them",
+    )
