@@ -253,7 +253,7 @@ def _format_of(source: Source, options: ReadingOptions | None) -> str:
         return name
     # by its name, as the formats: it rests on them, and they on this file
     unknown = importlib.import_module(f"{__name__}._unknown")
-    raise source.fault(*unknown.said(source, names()))
+    raise unknown.fault(source, names())
 
 
 def read(source: Source, format: str = "", options: ReadingOptions | None = None) -> Recording:

@@ -18,32 +18,34 @@ OTHERS = (
 OWN = re.compile(r"(?:reading_um|reading_urad|radial_um|[XYZABC]_(?:cmd_)?(?:mm|deg))")
 
 
-def said(source: Source, known: list[str]) -> tuple[int, str, str]:
-    """The line, what is wrong with it, and the way out. known: names of the formats."""
+def fault(source: Source, formats: list[str]) -> RecordingError:
+    """What to raise. formats: names of those that there are."""
     for begin, holds, what in OTHERS:
         if source.data.startswith(begin) and holds in source.data:
-            return 1, f"this is {what}", "save the table as CSV, or as .xlsx"
+            return source.fault(1, f"this is {what}", "save the table as CSV, or as .xlsx")
     try:
         content, _ = text.decoded(source)
         found = _near_own(source, content) or _a_sheet(source, content)
     except RecordingError:
         found = None
-    return found or (
+    return found or source.fault(
         1,
         "this looks like no recording that gcomp knows",
-        f"formats: {', '.join(known)}; a table of your own needs its columns named, like --column"
+        f"formats: {', '.join(formats)}; a table of your own needs its columns named, like --column"
         " Z_mm=NAME --column reading_um=NAME",
     )
 
 
-def _near_own(source: Source, content: str) -> tuple[int, str, str] | None:
+def _near_own(source: Source, content: str) -> RecordingError | None:
     """Of gcomp's own format, with its head changed or gone."""
     lines = text.lines_of(content)
     for number, line in enumerate(lines[:200], 1):
         if contract.FORMAT in line:
             if source.data.startswith(tuple(text.BOMS)):
-                return number, "a gcomp recording, stored as UTF-16", "save it as UTF-8"
-            return (
+                return source.fault(
+                    number, "a gcomp recording, stored as UTF-16", "save it as UTF-8"
+                )
+            return source.fault(
                 number,
                 f"{contract.FORMAT} is named here, and the head is not one",
                 f'it begins with # format = "{contract.FORMAT}", as UTF-8, and each of its lines'
@@ -53,7 +55,7 @@ def _near_own(source: Source, content: str) -> tuple[int, str, str] | None:
     own = [name for name in names if OWN.fullmatch(name)]
     if len(own) < 2:
         return None
-    return (
+    return source.fault(
         1,
         f"{', '.join(own)} are columns of gcomp's own format, and its head is missing",
         f'above them: # format = "{contract.FORMAT}", # kind = "targets", # sensitive ='
@@ -61,13 +63,13 @@ def _near_own(source: Source, content: str) -> tuple[int, str, str] | None:
     )
 
 
-def _a_sheet(source: Source, content: str) -> tuple[int, str, str] | None:
+def _a_sheet(source: Source, content: str) -> RecordingError | None:
     """A table of targets and readings whose headings leave the directions open."""
     sheet = _sheet.find(source, text.table(source, content))
     if len(sheet.columns) < 2 or len(sheet.rows) < 2:
         return None
     titles = ", ".join(column.title for column in sheet.columns[:6])
-    return (
+    return source.fault(
         sheet.line,
         f"a table of targets and of {len(sheet.columns)} columns of readings ({titles}), whose"
         " headings do not say which way each went",
