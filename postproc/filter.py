@@ -13,7 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from postproc import __version__, intake, marks
-from postproc.compensate import Compensator, Options
+from postproc.compensate import Compensator, Options, limits
 from postproc.errors import BlockFault, MotionFault, Notice, Place, ProgramError
 from postproc.machine.model import Machine
 from postproc.machine.poses import Poses
@@ -363,6 +363,8 @@ class Filter:
             advice = faults.ADVICE_NO_LANGUAGE
         if advice == faults.ADVICE_CORNER and self.dialect.language != "fanuc":
             advice = faults.ADVICE_NO_CORNER
+        if not self.dialect.carried and any(x.word == "G54" for x in self.dialect.codes):
+            advice = limits.with_zeros(advice, self.setup.offsets)
         error = self._error(words.text[line_start:], fault.message, advice, *columns)
         error.delivered = before
         return error

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 import shutil
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
 
-from postproc.compensate import Options
+from postproc.compensate import Options, limits
 from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
@@ -384,3 +384,29 @@ def test_a_refused_block_that_a_switch_leaves_out_says_so(block):
         run(False)
     assert caught.value.advice.endswith("--block-delete on")
     assert block.encode() in run(True)
+
+
+ZEROS = {"G54": {"X": 0.0, "Z": 0.5}, "T1": {"Z": 3.0}}
+
+
+@pytest.mark.parametrize(
+    ("offsets", "dialect", "says"),
+    [
+        ({}, LATHE, "; no work offset is stated: --offset G54=X0,Y0,Z0 says where the part's zero"),
+        ({}, "grbl", "; no work offset is stated: "),
+        ({}, "marlin", ""),
+        (ZEROS, LATHE, "; stated: G54 = X0 Z0.5"),
+    ],
+)
+@pytest.mark.parametrize("outside", ["error", "clamp"])
+def test_a_place_out_of_reach_is_told_with_where_the_zeros_were_said_to_lie(
+    offsets, dialect, says, outside
+):
+    of = dialects.load(dialect)
+    way = limits.BEYOND_TABLE if outside == "error" else limits.BEYOND_TRAVEL
+    machine = replace(GRINDER, offsets={}).carrying(of.carried)
+    filter_ = Filter(machine, of, setup_of(machine, offsets), Options(outside=outside))
+    with pytest.raises(ProgramError) as caught:
+        filter_.feed(b"G90\nG21\nG0 X20. Z10.\nG1 Z600. F100\n")
+    advice = caught.value.advice
+    assert advice.startswith(way + says) and (says or advice == way)

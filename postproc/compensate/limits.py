@@ -3,11 +3,14 @@ corrections too large."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from postproc.compensate.batch import Batch
 from postproc.compensate.settings import EDGE
 from postproc.errors import MotionFault, Notice
+from postproc.expressions import expression
 from postproc.flags import any_of
 from postproc.machine.chain import ROTARY
 from postproc.machine.polar import NEAREST, PolarMachine
@@ -15,12 +18,15 @@ from postproc.machine.tip import TipMachine
 from postproc.motions import COUNTER, FEED, RAPID
 from postproc.units import TICKS_PER_MM, UM, in_mm
 
+WORK_OFFSET = expression(r"G5[4-9](?:\.\d)?(?: ?P\d+)?|G1[15]\d(?: ?P\d+)?")
 LOOKS = 9  # places on a motion at which the slides that hold the tip are looked at
 UNKNOWN = (
     "motions left as they are: {0} (feeds: {1}); feeds corrected at their ends alone: {2}; where"
     " the axes stand there is not known (--start, or home in machine.toml, says where a program"
     " begins and where G28 goes)"
 )
+BEYOND_TABLE = "stay inside it, measure further out, or hold the end value with --outside clamp"
+BEYOND_TRAVEL = "the slide can not go there: move the part or the work offset"
 AT_STOP = (
     "motions left as they are, since an axis stands at the end of its travel and its correction"
     " leads beyond: {0}"
@@ -112,7 +118,7 @@ def check_inside(b: Batch) -> None:
                 int(b.motion[i]),
                 f"{letter} = {worst:.4f} {unit_of(letter)} lies outside the error table of {letter}"
                 f" ({first:g} to {last:g} {unit_of(letter)})",
-                "stay inside it, measure further out, or hold the end value with --outside clamp",
+                BEYOND_TABLE,
             )
 
 
@@ -327,5 +333,23 @@ def check_limits(b: Batch) -> float:
         int(b.motion[i]),
         f"{what} = {value:.4f} mm (nominal and correction) is beyond the travel of {what}"
         f" ({axis.travel[0]:g} to {axis.travel[1]:g} mm)",
-        "the slide can not go there: move the part or the work offset",
+        BEYOND_TRAVEL,
     )
+
+
+def with_zeros(advice: str, offsets: Mapping[str, Mapping[str, float]]) -> str:
+    """The way out of a place that is out of reach, with where zeros were said to lie. offsets: mm,
+    by name and axis."""
+    if advice not in (BEYOND_TABLE, BEYOND_TRAVEL):
+        return advice
+    work = {name: place for name, place in offsets.items() if WORK_OFFSET.fullmatch(name)}
+    if not work:
+        return (
+            f"{advice}; no work offset is stated: --offset G54=X0,Y0,Z0 says where the part's zero"
+            " lies on the machine"
+        )
+    said = [
+        f"{name} = {' '.join(f'{x}{value:g}' for x, value in place.items())}"
+        for name, place in list(work.items())[:3]
+    ]
+    return f"{advice}; stated: {', '.join(said)}"
