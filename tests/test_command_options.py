@@ -227,6 +227,22 @@ def test_explain_says_what_the_second_opinion_can_not_read(place):
     assert b"pygcode can not read this block (ValueError)" in ran.out
 
 
+def test_explain_names_every_code(place):
+    """pygcode's own words of G54 and G40 begin without and with the code."""
+    (place / "modes.nc").write_bytes(b"G40 G54 G90\nG0 X20. Z10.\n")
+    ran = gcomp(place, "explain", *GRINDER, "modes.nc")
+    assert b"G40: Cutter" in ran.out and b"; G54: Select Coordinate System 1; G90: " in ran.out
+
+
+def test_what_is_said_of_places_beyond_the_table_is_what_this_run_does(place):
+    for more, says in (
+        ((), "places there are refused"),
+        (("--outside", "clamp"), "its end values hold there"),
+    ):
+        ran = gcomp(place, *GRINDER, "--verify", *more, "part.nc")
+        assert f"the travel goes 10 mm beyond it: {says}" in ran.err
+
+
 def test_help_and_version(place):
     version = gcomp(place, "--version")
     assert version.status == 0

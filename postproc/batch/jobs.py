@@ -18,7 +18,7 @@ from postproc.machine import places
 
 # What programs in a folder are called, beside the names that --expand knows.
 KNOWN = {f"*{ending.lower()}" for ending in ENDINGS if ending.lower() not in ("", ".txt")}
-PATTERNS = (*sorted(KNOWN), "*.gcode", "*.gco", "*.g", "*.iso", "*.eia", "*.pim", "*.min")
+PATTERNS = (*sorted(KNOWN), "*.gcode", "*.gco", "*.g", "*.iso", "*.eia", "*.pim")
 OWN = (
     "output", "jobs", "scheduler", "retries", "programs", "pattern", "force", "json", "quiet",
     "machine", "file",

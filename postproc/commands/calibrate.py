@@ -14,6 +14,7 @@ from typing import Any
 from postproc import intake, ports, standing
 from postproc.calibrate import CalibrationError, Options, figure, folder, report
 from postproc.calibrate.calibration import Calibration
+from postproc.calibrate.first import KINDS
 from postproc.calibrate.run import calibrate
 from postproc.commands import as_json, reading, session
 from postproc.commands.calibrate_options import arguments, datum_of
@@ -156,7 +157,7 @@ def _control_and_chain(
         "chain": options.chain or like.get("chain"),
     }
     for key, advice in (
-        ("chain", "w-b-Z-X-t, who carries whom"),
+        ("chain", f"who carries whom: {', '.join(f'{k.chain} {n}' for n, k in KINDS.items())}"),
         ("control", f"one of {', '.join(dialects.names())}"),
     ):
         if not said[key]:

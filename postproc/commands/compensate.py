@@ -16,7 +16,6 @@ from postproc.machine import lacks
 
 if TYPE_CHECKING:
     from postproc.filter import Filter
-    from postproc.machine.model import Machine
 
 HELP = "correct a program for a machine (the default: gcomp --machine NAME FILE)"
 EXAMPLE = "cat job.nc | gcomp --machine studer-s36 > job_comp.nc"
@@ -64,7 +63,7 @@ def run(options: argparse.Namespace) -> int:
     if options.report:
         ports.write_whole(options.report, done.page().html().encode("utf-8"))
     if asked:
-        _say_verified(done, options, machine)
+        _say_verified(done, options)
     if left := reading.left_by_only(options):
         print(f"gcomp: {left}", file=sys.stderr)
     if options.json:
@@ -79,11 +78,11 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _say_verified(done: attempts.Attempt, options: argparse.Namespace, machine: Machine) -> None:
+def _say_verified(done: attempts.Attempt, options: argparse.Namespace) -> None:
     if done.verifier:
         part = f" for {', '.join(options.only)} alone" if options.only else ""
         print(f"gcomp: verified{part}: {done.verifier.report()}", file=sys.stderr)
-        if lacking := lacks.sentence(machine):
+        if lacking := lacks.sentence(done.verifier.settings.machine):
             print(f"gcomp: {lacking}", file=sys.stderr)
 
 

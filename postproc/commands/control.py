@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 HELP = "talk to a controller between jobs: its state, reset, resume, unlock, home, jog, zero, send"
 EXAMPLE = "gcomp control --port /dev/ttyUSB0 jog Z5 F300"
 FORMAT = "gcomp-control/1"
+STATE = "state"
 STOPPED, REFUSED, LONGEST = 130, 10, 600.0  # exit statuses; s that an order may take
 
 
@@ -25,7 +26,7 @@ OPTIONS = f"""
 {port_options.PORT}
 {port_options.BOARDS}
 --baud BAUD  default 115200
-order? ({"|".join(WORDS)})  left out: the controller's state, and the order that leads out of it
+order? ({"|".join((STATE, *WORDS))})  left out: state, with the order that leads out of it
 words* WORD  jog X10 Y-5 F800 (mm from here, mm/min); zero X Y; send '$$'
 --json FILE  all of it as JSON ({FORMAT}); - for standard output
 """
@@ -45,6 +46,8 @@ def run(options: argparse.Namespace) -> int:
         ports = [{"port": p.device, "text": ports_found.words(p)} for p in ports_found.found()]
         as_json.put(options.json, {"format": FORMAT, "ports": ports})
         return 0
+    if options.order == STATE:
+        options.order = None
     if options.order:
         # before a port is opened, which restarts some boards
         orders.line_of(options.order, options.words)

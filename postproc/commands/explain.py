@@ -157,11 +157,17 @@ def _second_opinion(text: str, mine: dict[str, list[float]]) -> str:
         return f"pygcode can not read this block ({type(error).__name__}); gcomp reads " + " ".join(
             f"{k}{v:g}" for k, vs in mine.items() for v in vs
         )
-    names = [str(g.description) for g in line.block.gcodes] or ["modal: goes on as before"]
+    names = [_described(g) for g in line.block.gcodes] or ["modal: goes on as before"]
     says = "; ".join(dict.fromkeys(names))
     if {k: sorted(v) for k, v in theirs.items()} != {k: sorted(v) for k, v in mine.items()}:
         says += f"  [pygcode reads {theirs}, gcomp {mine}]"
     return says
+
+
+def _described(code: Any) -> str:
+    """The words of a code, its name before them: some of pygcode's have it, some have not."""
+    words = str(code.description)
+    return words if re.match(r"[A-Z][\d.]*: ", words) else f"{code.word}: {words}"
 
 
 def _shown(machine: Machine, place: np.ndarray) -> str:

@@ -313,7 +313,7 @@ def _worst(result: Page, trace: Trace) -> None:
 def _add_notices(result: Page, filter_: Filter, verifier: Verifier) -> None:
     result.section("What a person should know", f"Verified: {verifier.report()}.")
     result.listing([_notice(n) for n in filter_.notices])
-    if lacking := lacks(filter_.machine):
+    if lacking := lacks(filter_.compensator.machine):
         result.section("Not in the map", "The correction can not know of:")
         result.listing(lacking)
 

@@ -215,6 +215,7 @@ def test_a_line_that_was_cut_off_is_a_job_done_again(place):
             "would both be written to",
         ),
         (["empty", "--machine", "perfect", "-o", "out"], "there is no program in empty"),
+        (["empty", "--machine", "perfect", "-o", "out"], "*.iso *.eia *.pim\n"),
         (["in", "--machine", "perfect", "-o", "out", "-j", "0"], "not a number of processes"),
         (
             ["in", "--machine", "perfect", "-o", "out", "--scheduler", "tcp://127.0.0.1:9"],

@@ -151,6 +151,11 @@ def test_an_uncertainty_that_is_not_known_is_not_written(tmp_path, capsys):
     )
 
 
+def test_without_a_chain_those_of_the_usual_kinds_are_offered(made, capsys):
+    status, _, err = run(capsys, *made[1], "--control", "haas")
+    assert status == 2 and "w-X-Y-b-Z-t mill" in err and "or --like MACHINE" in err
+
+
 def test_what_machines_of_a_kind_share_comes_from_one_that_is_alike(made, capsys):
     """Control, chain, travels and limits; what is the other's own is not taken, and that is
     said."""

@@ -38,6 +38,12 @@ def control(port: str, *words: str) -> tuple[int, str]:
     return status, out.getvalue() + err.getvalue()
 
 
+def test_its_state_may_be_asked_for_by_name():
+    """As `gcomp control --help` names it first of all that it does."""
+    with PtyHost(model()) as host:
+        assert control(host.path, "state") == control(host.path)
+
+
 def test_an_order_is_over_when_the_controller_rests_in_two_reports():
     """A report may have been on its way when the order was answered: it does not count; nor do two
     between which the machine moved."""
