@@ -124,7 +124,7 @@ def lying(
         yaxis={"autorange": "reversed", "gridcolor": "rgba(0,0,0,0)"},
         bargap=0.25,
         xaxis=(
-            {"rangemode": "tozero"} if "error_x" in more else {"range": [0, round(1.2 * most, 4)]}
+            {"rangemode": "tozero"} if "error_x" in more else {"range": [0, round(1.25 * most, 4)]}
         ),
         showlegend=len(groups) > 1,
     )
@@ -136,6 +136,7 @@ def polar(axes: list[str], radii: list[float], labels: list[float]) -> dict:
     ends = (min(labels), max(labels))
     return {
         "bgcolor": "rgba(0,0,0,0)",
+        "domain": {"x": [0.1, 0.9]},  # on a phone the names of the axes stand beside the circle
         "radialaxis": {
             "tickvals": column(radii, 4),
             "ticktext": [f"{v:+g} um" if v in ends else "" for v in labels],

@@ -84,11 +84,9 @@ def names(d: Diagnosis) -> charts.Figure | None:
         of = words.named(f.block.key)
         for name, p in f.names.items():
             if p >= SHOWN:
-                labels.append(
-                    words.named(name)
-                    if name == f.block.key
-                    else f"{words.named(name)} (in place of {of})"
-                )
+                # of several effects each name says which one it stands for, on a line of its own
+                other = name != f.block.key and len(shown) > 1
+                labels.append(words.named(name) + f"<br>(for {of})" * other)
                 sizes.append(100 * p)
     return charts.lying(
         "names",

@@ -79,8 +79,11 @@ def _course(made: Page, fields: dict[str, Any], samples: list[dict[str, Any]]) -
         return
     made.section("How it went on")
     t = [s["elapsed_s"] for s in samples]
+    over = max(fields["seconds"], t[-1])  # what the last report could not know yet
     lines = [
-        charts.line(t, [s[key] for s in samples], name, role)
+        charts.line(
+            [*t, over], [*(s[key] for s in samples), fields.get(key, samples[-1][key])], name, role
+        )
         for key, name, role in (
             ("sent", "sent", "nominal"),
             ("answered", "answered", "command"),

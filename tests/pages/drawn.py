@@ -8,6 +8,15 @@ import json
 import re
 from typing import Any
 
+# words of figures that stand out at the side of theirs
+CUT = """[...document.querySelectorAll('.js-plotly-plot')].flatMap(plot => {
+    const frame = plot.getBoundingClientRect();
+    return [...plot.querySelectorAll('.main-svg text')].filter(text => {
+        const at = text.getBoundingClientRect();
+        return at.width && (at.left < frame.left - 1 || at.right > frame.right + 1);
+    }).map(text => plot.id + ': ' + text.textContent);
+})"""
+
 
 def packed(html: str, name: str) -> bytes:
     """What a page carries under an identifier."""

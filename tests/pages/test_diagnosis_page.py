@@ -216,3 +216,11 @@ def test_in_the_browser(opened, soak, width, scheme):
         beside = boxes[0]["y"] == boxes[1]["y"] == boxes[2]["y"]
         assert beside == (width > 1000)
         assert page.evaluate("document.getElementById('left-0-time').data.length") >= 4
+
+
+def test_on_a_phone_no_word_of_a_figure_is_cut_off(bar, opened, tmp_path):
+    """+X beside the circle, and the number behind the longest bar, stood out at the side."""
+    page = tmp_path / "bar.html"
+    page.write_text(bar.html, "utf-8")
+    with opened(page, 390) as drawn_page:
+        assert drawn_page.evaluate(drawn.CUT) == []

@@ -117,3 +117,10 @@ def test_on_a_phone_widths_beside_the_travel_have_letters_alone(opened, tmp_path
         assert [text.split("<br>")[::2] for text in wide.evaluate(said)] == [
             [letter, "um"] for letter in "MEA"
         ]
+
+
+def test_on_a_phone_no_word_of_a_figure_is_cut_off(page, opened, tmp_path):
+    place = tmp_path / "iso.html"
+    place.write_text(page, "utf-8")
+    with opened(place, 390) as shown:
+        assert shown.evaluate(drawn.CUT) == []

@@ -49,6 +49,13 @@ def test_A1_A16_the_model_gets_the_files_bytes_and_done_is_said_last(place):
     assert told["outcome"] == "done" and told["answered"] == told["sent"] == told["lines"]
     curves = drawn.curves(page, "lines")
     assert curves["answered"]["y"] == sorted(curves["answered"]["y"]) and drawn.outside(page) == []
+    # the figure ends as the job does, and not with the last report while it ran
+    ends = {name: (curves[name]["x"][-1], curves[name]["y"][-1]) for name in list(curves)[:3]}
+    assert ends == {
+        "sent": (told["seconds"], told["sent"]),
+        "answered": (told["seconds"], told["answered"]),
+        "surely over": (told["seconds"], told["executed"]),
+    }
     assert f"{told['sent']} lines sent and accepted" in page
     assert sent_rows(host) == wire_rows(place)
     assert host.model.dropped == 0 and host.model.state == "Idle"
