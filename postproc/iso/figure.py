@@ -24,6 +24,7 @@ FORMATS = ("svg", "png", "pdf")
 UP, DOWN, GREY, INK, GROUND = (LIGHT[role] for role in ("plus", "minus", "muted", "mean", "ground"))
 WIDTH, HEIGHT, SIDE = 10.0, 4.6, 6.4  # inches of a panel
 MOST = 12  # panels
+ROOM = 0.05  # of the range of the means, below which no arrow of B is drawn
 FILL = 0.5  # of the radius, which the largest deviation of a circle is drawn to fill
 
 
@@ -214,11 +215,13 @@ def _lines(axes: Any, result: Result, lines: Straightness, unit: float, digits: 
 
 
 def _reversal(axes: Any, result: Result, test: Positioning, unit: float, digits: int) -> None:
-    """B between the means, at its target."""
+    """B between the means, at its target, where there is room for an arrow; no curve is hidden."""
     if result["B"].value is None:
         return
     at = int(np.nanargmax(np.abs(test.reversal)))
     up, down = test.mean[:, at] / unit
+    if abs(up - down) <= ROOM * float(np.nanmax(test.mean) - np.nanmin(test.mean)) / unit:
+        return
     axes.annotate(
         "",
         (test.target[at], up),
@@ -231,6 +234,7 @@ def _reversal(axes: Any, result: Result, test: Positioning, unit: float, digits:
         (test.target[at], (up + down) / 2), (-5 if last else 5, 0), textcoords="offset points",
         ha="right" if last else "left", va="center", fontsize=8,
         bbox={"boxstyle": "round,pad=0.15", "fc": GROUND, "ec": "none", "alpha": 0.8},
+        zorder=1.9,  # matplotlib draws curves at 2
     )  # fmt: skip
 
 

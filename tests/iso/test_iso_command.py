@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 
 import numpy as np
@@ -158,6 +159,20 @@ def test_a_figure_holds_what_the_table_says(written, z_axis, tmp_path, capsys, m
         "+Y",
     ):
         assert text in drawn, text
+
+
+def test_no_arrow_of_a_reversal_is_drawn_where_it_would_hide_the_curves(
+    written, tmp_path, monkeypatch
+):
+    """0.4 um of 20 um are the width of the curves themselves; 4 um are an arrow."""
+    matplotlib = pytest.importorskip("matplotlib")
+    monkeypatch.setitem(matplotlib.rcParams, "svg.fonttype", "none")
+    x = np.arange(0.0, 401, 50)
+    for lost, arrow in ((0.4, False), (4.0, True)):
+        recording = along("X", x, np.stack([x / 20, x / 20 - lost]))
+        path = tmp_path / "out.svg"
+        assert main(["iso", written(recording), "--figure", str(path)]) == 0
+        assert bool(re.search(r"B \d", path.read_text())) == arrow
 
 
 def test_figures_of_one_direction_and_of_other_kinds(written, tmp_path, capsys):
