@@ -118,8 +118,10 @@ def where(d: Diagnosis, place: Place) -> str:
     way = {"both": "in both directions", "+": "approached in +", "-": "approached in -"}[
         place.approach
     ]
-    signal = d.rows.signals[place.signal]
-    part = bool(np.any(d.rows.sees[d.rows.signal == place.signal] == "part"))
+    signal, of_it = d.rows.signals[place.signal], d.rows.signal == place.signal
+    part = bool(np.any(d.rows.sees[of_it] == "part"))
+    if not np.ptp(d.rows.state.position[place.axis][of_it]):
+        way = "at rest"
     at = "" if part else f": {words.stretch(place.axis, place.low, place.high)}, {way}"
     at += f", from {place.times[0]:.0f} to {place.times[1]:.0f} s" if place.timed else ""
     scale, unit = scaled(d, place.signal)

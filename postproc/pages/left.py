@@ -98,7 +98,8 @@ def standing_out(d: Diagnosis, which: np.ndarray) -> np.ndarray:
 
 
 def of_signal(d: Diagnosis, signal: int) -> list[charts.Figure]:
-    """Before (above) and after (below), by place, by side and in time."""
+    """Before (above) and after (below), by place, by side and in time; of readings at one place in
+    time alone."""
     which = np.flatnonzero(d.rows.signal == signal)
     axis = axis_of(d, which)
     rows, few = thinned(which)
@@ -114,13 +115,24 @@ def of_signal(d: Diagnosis, signal: int) -> list[charts.Figure]:
         f"{name(d, signal)}, {words.stretch(axis, float(place.min()), float(place.max()))}:"
         " measured - model"
         if np.ptp(place)
-        else name(d, signal)
+        else f"{name(d, signal)}, at rest: measured - model in time"
     )
     ringed = " Rings: where it stands out." if standing_out(d, rows).any() else ""
+    what = (
+        f"{where}. Above, what the machine's file leaves; below, what is left with the effects"
+        f" found.{ringed}{few}"
+    )
+    took = "eadings that took no part in naming and fitting are marked."
+    moved = bool(np.ptp(place))
+    third = charts.figure(
+        f"{key}-time", f"In time; r{took}" if moved else f"{what} R{took}",
+        _in_time(d, rows, time, scale, unit), said, "", 460, xaxis={"anchor": "y2"}, **layout,
+    )  # fmt: skip
+    if not moved:
+        return [third]
     first = charts.figure(
         f"{key}-place",
-        f"{where}. Above, what the machine's file leaves; below, what is left with the effects"
-        f" found.{ringed}{few}",
+        what,
         _by_place(d, rows, place, side, scale, unit, axis),
         f"position of {axis}, mm",
         "",
@@ -144,10 +156,6 @@ def of_signal(d: Diagnosis, signal: int) -> list[charts.Figure]:
             "range": [-1.6, 1.6],
         },
     )
-    third = charts.figure(
-        f"{key}-time", "In time; readings that took no part in naming and fitting are marked.",
-        _in_time(d, rows, time, scale, unit), said, "", 460, xaxis={"anchor": "y2"}, **layout,
-    )  # fmt: skip
     return [first, second, third]
 
 

@@ -18,6 +18,8 @@ from postproc.pages import diagnosis, left
 from tests.api.schemas import held
 from tests.pages import drawn
 
+RECORDINGS = Path(__file__).resolve().parents[2] / "sample_recordings"
+
 BAR = [
     "simulate",
     "--test",
@@ -224,3 +226,17 @@ def test_on_a_phone_no_word_of_a_figure_is_cut_off(bar, opened, tmp_path):
     page.write_text(bar.html, "utf-8")
     with opened(page, 390) as drawn_page:
         assert drawn_page.evaluate(drawn.CUT) == []
+
+
+def test_of_readings_at_rest_no_place_and_no_side_is_drawn(tmp_path, capsys):
+    """A spindle that warms up: X Y Z stand; two figures of one place each said nothing."""
+    page = tmp_path / "rest.html"
+    words = ["diagnose", str(RECORDINGS / "spindle_z.csv")]
+    assert main([*words, "--machine", "example-mill", "--report", str(page)]) == 0
+    assert "WHERE: spindle_z.csv, reading_um: X at 250.0 mm, at rest, from " in (
+        capsys.readouterr().out
+    )
+    found = [f["id"] for f in drawn.data(page.read_text("utf-8"))["figures"]]
+    assert "left-0-time" in found
+    assert "left-0-place" not in found and "left-0-side" not in found
+    assert "at rest: measured - model in time" in page.read_text("utf-8")

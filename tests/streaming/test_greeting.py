@@ -6,10 +6,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from postproc.commands.stream import loop
+from postproc.commands.stream.port import Lost
 from postproc.errors import UsageError
 from postproc.streaming import live as lives
 from postproc.streaming.events import Status
 from postproc.streaming.greeting import Greeting, unfit
+from postproc.streaming.orders import HOME, Order
 from postproc.streaming.protocols import Controller
 from postproc.streaming.protocols.grbl import Grbl
 from postproc.streaming.source import Source
@@ -224,3 +227,25 @@ def test_inches_are_read_as_inches():
     controller = Controller(offsets=["[G54:1.0000,0.0000,0.0000]", "[TLO:0.5000]"], inches=True)
     live = lives.read(controller, None, ("X", "Y", "Z"))
     assert live.work["G54"]["X"] == 25.4 and live.length["Z"] == 12.7
+
+
+class Unplugged:
+    """A port whose cable is pulled while it is listened to."""
+
+    url = "/dev/ttyUSB0"
+
+    def write(self, data: bytes) -> int:
+        return len(data)
+
+    def read(self, timeout: float) -> bytes:
+        raise Lost("the device is gone")
+
+
+@pytest.mark.parametrize(
+    ("talk", "says"),
+    [(Greeting("auto"), "; nothing that moves it was sent"), (Order(Grbl(), HOME, [], None), "")],
+)
+def test_a_cable_that_is_pulled_before_the_job_leaves_no_doubt_that_nothing_moved(talk, says):
+    with pytest.raises(UsageError, match="/dev/ttyUSB0 was closed: the device is gone") as caught:
+        loop.carry(Unplugged(), talk)
+    assert caught.value.advice == f"is the controller still plugged in?{says}"
