@@ -74,5 +74,5 @@ def _a_sheet(source: Source, content: str) -> RecordingError | None:
         f"a table of targets and of {len(sheet.columns)} columns of readings ({titles}), whose"
         " headings do not say which way each went",
         "--layout interleaved (up 1, down 1, up 2 ...) or --layout blocks, with --axis and --unit;"
-        " or --column Z_mm=NAME --column reading_um=NAME for one of them",
+        " or by name: --column Z_mm=NAME --column forward1_um=NAME --column reverse1_um=NAME",
     )

@@ -30,6 +30,7 @@ EXTRA = {
     "decimal": ". or ,: the decimal sign, where it is not clear",
     "delimiter": "tab, semicolon, bar or comma, where it is not clear",
 }
+MOST = 8  # columns that were not named, in a notice
 DELIMITER = {"tab": "\t", "semicolon": ";", "bar": "|", "comma": ","}
 
 
@@ -68,9 +69,25 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     table = text.table(source, content, text.stated_decimal(options.extra), DELIMITER.get(sign, ""))
     notices = [*table.notices, *odd]
     top, at = names.columns(source, table, mapping)
+    notices += _unread(table, top, at)
     if kinds.is_other(mapping):
         return kinds.read(source, options, table, top, at, notices)
     return _targets(source, options, table, top, at, notices)
+
+
+def _unread(table: text.Table, top: int, at: dict[str, int]) -> list[str]:
+    """What else the table holds in numbers, where it has headings: a run that was not named would
+    be missed in silence."""
+    if not top:
+        return []
+    headings, first = table.rows[top - 1][1], table.rows[top][1] if top < len(table.rows) else []
+    left = [
+        f"{heading!r}"
+        for j, (heading, cell) in enumerate(zip(headings, first, strict=False))
+        if heading and j not in at.values() and table.numeric(cell)
+    ]
+    more = f" and {len(left) - MOST} more" if len(left) > MOST else ""
+    return [f"columns that no --column names: {', '.join(left[:MOST])}{more}"] if left else []
 
 
 def _targets(source, options, table, top, at, notices) -> Recording:

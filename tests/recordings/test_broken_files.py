@@ -245,3 +245,15 @@ def test_a_german_sheet_whose_headings_name_the_directions_is_read():
 def test_a_halscope_log_of_a_byte_order_mark_alone_is_refused():
     with pytest.raises(GcompError, match="the first line is not the sampling period"):
         read_all(source("a.log", b"\xef\xbb\xbf"), "halscope")
+
+
+RUNS = "Target;Run 1;Run 2;Remark\n0;0.3;5.5;x\n25;4.1;9.0;y\n"
+
+
+def test_a_run_that_no_column_names_is_not_left_out_in_silence():
+    named = {"X_mm": "Target", "forward1_um": "Run 1"}
+    (recording,) = read_all(source("a.csv", RUNS), options=ReadingOptions(columns=named))
+    assert "columns that no --column names: 'Run 2'" in recording.notices
+    named["reverse1_um"] = "Run 2"
+    (recording,) = read_all(source("a.csv", RUNS), options=ReadingOptions(columns=named))
+    assert len(recording) == 4 and not any("--column" in n for n in recording.notices)
