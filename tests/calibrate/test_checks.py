@@ -129,7 +129,9 @@ def test_of_a_table_the_relation_turns_round_for_a_point_that_stays_on_it(optic)
 # -- the others ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("factor, says", [(1e-3, "Are the readings mm"), (1e3, "nm")])
+@pytest.mark.parametrize(
+    "factor, says", [(1e-3, "Are the readings mm"), (1e3, "Are the readings um read as mm, nm")]
+)
 def test_a_unit_that_is_a_thousand_off(factor, says):
     axis = carriage()
     for side in (axis.forward, axis.reverse):
@@ -138,6 +140,7 @@ def test_a_unit_that_is_a_thousand_off(factor, says):
     result = calibrate(parts, replace(OPTIONS, keep_all=True, max_slope=1.0))
     told = doubts(result, "unit")
     assert len(told) == 1 and "EZZ spans" in told[0] and says in told[0]
+    assert "e+" not in told[0]
 
 
 def test_a_reading_that_never_changes():

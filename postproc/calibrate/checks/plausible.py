@@ -32,13 +32,13 @@ def check(calibration: Calibration) -> Iterator[Finding]:
             )
         elif span > LARGEST[unit]:
             likely = (
-                "nm, or increments of a counter"
+                "um read as mm, nm, or increments of a counter"
                 if unit == "um"
                 else "um/m times the length, or nrad"
             )
             text = (
-                f"{name} spans {span:.4g} {unit}: more than a machine tool strays. Are the readings"
-                f" {likely}?"
+                f"{name} spans {span:,.0f} {unit}: more than a machine tool strays. Are the"
+                f" readings {likely}?"
             )
         elif span == 0:
             text = f"{name} is {raw[0]:g} {unit} at every target: was anything recorded?"
