@@ -209,6 +209,7 @@ def _temperatures(d: Drift) -> tuple[list[Parameter], list[str]]:
     """Drift per kelvin of each thermometer that changed, with the U of its line; what makes such a
     number poor, in words."""
     parameters, notices = [], []
+    still: dict[str, float] = {}  # name to K
     order = np.argsort(d.recording.columns["t_s"], kind="stable")
     for name, column in d.recording.columns.items():
         if not (name.startswith("T_") and name.endswith("_C")):
@@ -217,7 +218,7 @@ def _temperatures(d: Drift) -> tuple[list[Parameter], list[str]]:
         known = np.isfinite(warm)
         spread = float(np.ptp(warm[known])) if known.sum() > 2 else 0.0
         if spread < 0.1:
-            notices.append(f"{name} changed by {spread:.2f} K: no coefficient per kelvin follows")
+            still[name] = spread
             continue
         found = _per_kelvin(warm[known], d.reading[known])
         if found is None:
@@ -232,6 +233,9 @@ def _temperatures(d: Drift) -> tuple[list[Parameter], list[str]]:
             f" {parts} parts of the time to the next"
         )
         parameters.append(Parameter(f"per K of {name}", slope, said, "", U))
+    if still:
+        most = f"{max(still.values()):.2f} K{' at most' * (len(still) > 1)}"
+        notices.append(f"{', '.join(still)} changed by {most}: no coefficient per kelvin follows")
     return parameters, notices
 
 

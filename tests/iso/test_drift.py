@@ -124,6 +124,14 @@ def test_three_readings_tell_nothing_per_kelvin(number):
     )
 
 
+def test_thermometers_that_stand_still_are_named_in_one_sentence():
+    n = np.arange(5, dtype=float)
+    (result,) = of(recording(n, 600 * n, T_air_C=20 + 0.0 * n, T_bed_C=20 + 0.01 * n))
+    assert "T_air_C, T_bed_C changed by 0.04 K at most: no coefficient per kelvin follows" in (
+        result.notices
+    )
+
+
 def test_the_device_that_is_said_gives_the_tilt_its_u(recwarn):
     """0.2 um a reading, four of them, 100 mm apart: 2 sqrt(4) 0.2 / 100 mm = 8 urad. A column
     spindle_rpm without a number is none."""
