@@ -36,7 +36,7 @@ def page(filter_: Filter, verifier: Verifier, why: str = "") -> Page:
     result = Page(
         f"{Path(filter_.name).name} on {filter_.machine.name}",
         _headline(verifier),
-        "good" if verifier.passed else "bad",
+        _mood(verifier),
         scripts=("program.js",),
     )
     summary = filter_.summary
@@ -66,6 +66,13 @@ def page(filter_: Filter, verifier: Verifier, why: str = "") -> Page:
     return result
 
 
+def _mood(verifier: Verifier) -> str:
+    """Of the headline: what was not looked at is neither good nor bad."""
+    if verifier.blind:
+        return "open"
+    return "good" if verifier.passed else "bad"
+
+
 def _headline(verifier: Verifier) -> str:
     after, before = verifier.corrected, verifier.uncorrected
     said = (
@@ -73,20 +80,28 @@ def _headline(verifier: Verifier) -> str:
         f" {after.deviation / UM:.2f} um of its nominal path (worst in line {after.line}); as it"
         f" was it would be up to {before.deviation / UM:.1f} um off (line {before.line})."
     )
-    if max(before.deviation, after.deviation) < NOTHING:
+    if verifier.blind:
+        said = "Nothing was compared: no place of the path is known in all of its axes."
+    elif max(before.deviation, after.deviation) < NOTHING:
         said = "The map has no error where this program goes: nothing is changed."
     return said if verifier.passed else f"NOT WITHIN THE TOLERANCE. {said}"
 
 
 def _tiles(result: Page, filter_: Filter, verifier: Verifier, trace: Trace) -> None:
     summary, known = filter_.summary, verifier.map
+    before, after = verifier.uncorrected.deviation / UM, verifier.corrected.deviation / UM
+    unknown = "not known"
     tiles = [
         (
-            f"{verifier.uncorrected.deviation / UM:.1f} um",
+            unknown if verifier.blind else f"{before:.1f} um",
             "largest deviation, not corrected",
             "before",
         ),
-        (f"{verifier.corrected.deviation / UM:.2f} um", "largest deviation, corrected", "after"),
+        (
+            unknown if verifier.blind else f"{after:.2f} um",
+            "largest deviation, corrected",
+            "after",
+        ),
         (f"{verifier.tolerance / UM:g} um", f"tolerance asked for{_beyond(verifier)}", ""),
         (f"{summary.largest / UM:.1f} um", "largest correction of an axis", "command"),
         (

@@ -57,6 +57,11 @@ class Figures:
             self.mode in ("ramp", "off") or (holes and self.corrected.deviation <= self.allowed)
         )
 
+    @property
+    def blind(self) -> bool:
+        """Whether there are motions and errors, and nothing could be compared."""
+        return bool(self.motions_in) and not (self.compared or self.machine.is_zero)
+
     def report(self) -> str:
         """One line for a person: before, after, and their ratio."""
         return _line(self)
@@ -65,7 +70,7 @@ class Figures:
 def _line(v: Figures) -> str:
     """One line for a person: before, after, and their ratio."""
     counts = f"{v.motions_in} motions in, {v.motions_out} out"
-    if v.motions_in and not v.compared:
+    if v.blind:
         axes = " ".join(v.machine.letters[row] for row in v.machine.chained)
         return (
             f"nothing: no place of the path is known in all of {axes}, and"

@@ -75,6 +75,15 @@ def test_a_program_with_next_to_nothing_in_it_has_a_page(tmp_path, text, says):
     assert says in page(tmp_path, program, "perfect", "--quiet")
 
 
+def test_where_no_place_is_known_the_page_does_not_say_that_all_is_well(tmp_path):
+    """X and Y are corrected, and Z is nowhere stated: it said that the map has no error there."""
+    flat = tmp_path / "flat.nc"
+    flat.write_text("G90 G21\nG1 X100. Y100. F500\nX200.\n")
+    html = page(tmp_path, flat, "example-router", "--dialect", "linuxcnc")
+    assert "Nothing was compared: no place of the path is known" in html
+    assert "not known" in html and "The map has no error where" not in html
+
+
 def test_a_machine_without_errors_and_one_of_each_are_said_as_they_are(tmp_path, capfd):
     """It said that no place was known to the map, and "line 0"; and "1 take-ups"."""
     program = tmp_path / "p.nc"
