@@ -11,6 +11,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from postproc.commands.outcome import verified_by
 from postproc.compensate import Options
 from postproc.filter import Filter, setup_of
 from postproc.nc import dialects
@@ -86,6 +87,7 @@ def test_where_no_place_is_known_it_says_that_nothing_was_compared(tmp_path):
         "nothing: no place of the path is known in all of X Y Z, and none was compared (--start"
         " says where the program begins); 2 motions in, 2 out"
     )
+    assert not verified_by(verifier).compared
     assert verified(m, "G0 Z0\nG1 X10 Y10 F500\nX50\n").report().startswith("largest deviation")
 
 

@@ -173,6 +173,8 @@ def row(outcome: dict[str, Any]) -> tuple[str, ...]:
     """One job as a row of the table; what is not known is empty."""
     result = outcome.get("result") or {}
     verified = result.get("verified") or {}
+    if not verified.get("compared", True):  # a ledger of before has no such key
+        verified = {}
 
     def number(value: float | None, digits: int) -> str:
         return "" if value is None else f"{value:.{digits}f}"

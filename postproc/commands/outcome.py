@@ -21,6 +21,7 @@ FORMAT = "gcomp-program/1"
 class Verified:
     """The corrected program, replayed on the machine's model. All lengths in um.
 
+    compared: False where no place of the path is known in all of its axes, and nothing was;
     deviation_um, deviation_line: the largest distance from the nominal path, and the line where;
     uncorrected_um,
     uncorrected_line: the same of the program as it was; lost_motion_um: the same with every slide
@@ -32,6 +33,7 @@ class Verified:
     """
 
     passed: bool
+    compared: bool
     deviation_um: float
     deviation_line: int
     uncorrected_um: float
@@ -125,8 +127,9 @@ def verified_by(verifier: Verifier) -> Verified:
     """What a verifier has measured."""
     after, before, known = verifier.corrected, verifier.uncorrected, verifier.map.known
     return Verified(
-        verifier.passed, after.deviation / UM, after.line, before.deviation / UM, before.line,
-        after.slide / UM, verifier.tolerance / UM, verifier.allowed / UM,
+        verifier.passed, not verifier.blind, after.deviation / UM, after.line,
+        before.deviation / UM, before.line, after.slide / UM, verifier.tolerance / UM,
+        verifier.allowed / UM,
         verifier.map.largest / UM if known.parts else None, known.missing, verifier.motions_in,
         verifier.motions_out, verifier.report(),
     )  # fmt: skip

@@ -272,3 +272,14 @@ def test_pages_beside_the_results(place):
         == 0
     )
     assert "p00.nc on studer-s36" in Path("out/p00.nc.html").read_text("utf-8")
+
+
+def test_of_a_program_of_which_nothing_was_compared_no_deviation_stands_in_the_table(capfd, place):
+    """Z is nowhere stated: 0.00 um stood there."""
+    Path("flat").mkdir()
+    Path("flat/a.nc").write_text("G90 G21\nG1 X100. Y100. F500\nX200.\n")
+    words = ("flat", "--machine", "example-router", "--dialect", "linuxcnc", "--verify")
+    assert run(*words, "-o", "out") == 0
+    with open("out/gcomp-batch.csv", newline="") as file:
+        (row,) = csv.DictReader(file)
+    assert (row["status"], row["before_um"], row["after_um"]) == ("done", "", "")
