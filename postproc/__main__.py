@@ -2,6 +2,6 @@
 
 import sys
 
-from postproc.cli import main
+from postproc.entry import begin
 
-sys.exit(main())
+sys.exit(begin())

@@ -19,7 +19,8 @@ ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = b"(part)\nG90 G21\nG0 X20. Z10.\nG1 X40. Z50. F100\nM30\n"
 FAULTY = b"(part)\nG90 G21\nG0 X20. Z10.\nG1 X400. Z50. F100\nM30\n"
 GRINDER = ("--machine", "studer-s36")
-COMMAND = (sys.executable, "-m", "postproc")
+# As the console script runs it; without a blank, at which a shell would split it.
+COMMAND = (sys.executable, "-c", "__import__('postproc.entry').entry.program()")
 PATIENCE = 20.0  # s
 
 

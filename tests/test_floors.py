@@ -50,6 +50,7 @@ FLOOR = {
     "batch": 5,
     "hooks": 2,
     "cli": 5,
+    "entry": 5,
     "ports": 5,
     "standing": 5,
     "__main__": 5,

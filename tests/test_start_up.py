@@ -9,7 +9,12 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
+
+import pytest
+
+from postproc import __version__, entry
 
 ROOT = Path(__file__).resolve().parents[1]  # here lies ./machines, the first folder that is asked
 ALLOWED = {"numpy", "postproc"}
@@ -107,3 +112,60 @@ def test_a_look_at_the_version_loads_no_numpy():
     command = [sys.executable, "-c", VERSION]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stdout.split()[-1] == "False"
+
+
+BEGUN = """
+import gc, inspect, sys
+from postproc import entry
+
+class Watch:
+    def find_spec(self, name, path=None, target=None):
+        if name in ("numpy", "postproc.cli", "postproc.filter"):
+            told.append((name, gc.isenabled(), len(inspect.stack(0))))
+
+told = []
+sys.meta_path.insert(0, Watch())
+sys.argv = ["gcomp", "--machine", "example-mill", sys.argv[1], "-o", sys.argv[2]]
+status = entry.begin()
+print(status, gc.isenabled(), *sys.modules)
+for line in told:
+    print(*line)
+"""
+
+
+def test_it_begins_shallow_and_without_the_collector(tmp_path):
+    """Deep in a chain of imports each call may ask for memory anew, and numpy compiles expressions:
+    3 ms. The collector is on while programs are corrected."""
+    program = tmp_path / "short.nc"
+    program.write_text(PROGRAM)
+    command = [sys.executable, "-c", BEGUN, str(program), str(tmp_path / "out.nc")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    end, *told = done.stdout.splitlines()
+    status, collects, *modules = end.split()
+    assert (status, collects) == ("0", "True"), done.stderr
+    assert "threading" not in modules  # with it the console script would not end at once
+    found = {name: (on, int(depth)) for name, on, depth in map(str.split, told)}
+    assert {on for on, _ in found.values()} == {"False"}
+    assert found["numpy"][1] <= found["postproc.cli"][1] + 20
+    assert list(found) == ["postproc.cli", "numpy", "postproc.filter"]
+
+
+ENDED = """
+import atexit, sys
+from postproc import entry
+atexit.register(print, "at the end")
+sys.argv = ["gcomp", "--version"]
+entry.program()
+"""
+
+
+@pytest.mark.parametrize("first, after", [("", ""), ("import threading", "at the end\n")])
+def test_the_console_script_ends_at_once_where_no_threads_were(first, after):
+    command = [sys.executable, "-c", f"{first}\n{ENDED}"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout == f"gcomp {__version__}\n{after}"
+
+
+def test_the_console_script_is_that_one():
+    script = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]["gcomp"]
+    assert script == f"{entry.program.__module__}:{entry.program.__name__}"
