@@ -27,6 +27,7 @@ FLOOR = {
     "pieces": 0,
     "records": 0,
     "nc": 1,
+    "kernel": 0,
     "machine": 1,
     "effects": 1,
     "compensate": 3,
@@ -81,8 +82,9 @@ OPENERS = {
     "cli",
     "standing",
     "batch",
+    "kernel",
     "machine/file",
-}  # file.py reads a machine's folder: that is what a machine is
+}  # file.py reads a machine's folder: that is what a machine is; kernel.py builds itself
 
 
 def modules():

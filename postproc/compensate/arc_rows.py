@@ -57,9 +57,9 @@ class Fitter:
     along the third axis, and total in all; needed(rows, row, t, nominal) -> (A, K) mm: the exact
     command at a place; weight(rows) -> (A, R): side of approach along plain ones;
     led(rows, row, command) -> (A, K) mm: not beyond where lost motion holds the axes `followed`;
-    round_to(stroke, command) -> ticks; plain (n,): arcs along which only the map bends the
-    command; single (n,): arcs that nothing stands before in their own block, where the word that
-    counts turns is."""
+    round_to(stroke, command) -> ticks, by the `increments` of strokes, two (A, S); plain (n,):
+    arcs along which only the map bends the command; single (n,): arcs that nothing stands before in
+    their own block, where the word that counts turns is."""
 
     machine: Machine
     arcs: Arcs
@@ -73,6 +73,7 @@ class Fitter:
     weight: Callable[[Rows], np.ndarray]
     led: Callable[[Rows, np.ndarray, np.ndarray], np.ndarray]
     round_to: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    increments: tuple[np.ndarray, np.ndarray]
     plain: np.ndarray
     followed: np.ndarray
     base: np.ndarray  # (2, n) ticks of the written centre words, from the start

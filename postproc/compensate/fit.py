@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.compensate import compiled
 from postproc.compensate.arc_rows import Fitter, Rows, joined
 from postproc.compensate.prove import Proof
 from postproc.compensate.samples import Samples, taken
@@ -36,7 +37,13 @@ def settle(f: Fitter, rows: Rows) -> Rows:
             break
         rest: list[Rows] = []
         for which, samples in taken(f if level == 0 else closer, rows):
-            Cutting(f, rows.pick(which), samples, done, rest).run(level == LEVELS)
+            some = rows.pick(which)
+            if level == 0:
+                pieces, left = compiled.settle(f, some, samples)
+                done += pieces
+                some, samples = some.pick(left), samples.pick(left)
+            if len(some):
+                Cutting(f, some, samples, done, rest).run(level == LEVELS)
         rows = joined(rest) if rest else rows.pick(np.zeros(0, np.int64))
     return joined(done)
 

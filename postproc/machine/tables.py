@@ -13,6 +13,7 @@ Linear between nodes, as every documented control interpolates its own table; he
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -20,6 +21,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from postproc import kernel
 from postproc.machine.cells import Cells, Value
 from postproc.records import columns
 
@@ -137,7 +139,7 @@ class AxisTable(BothWays):
         both = [i for i in rows if np.any(self.half[i])]
         value = np.concatenate([self.mean[rows], self.half[both]])
         half = {i: len(rows) + k for k, i in enumerate(both)}
-        return rows, value[:, :-1].copy(), np.diff(value), half
+        return rows, value[:, :-1].copy(), np.ascontiguousarray(np.diff(value)), half
 
     def place(self, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(N,) index of the node below each position, mm, and (N,) the share of the interval above
@@ -211,15 +213,42 @@ class AxisTable(BothWays):
             cells = self._cells if along is None else self._cells_along[along]
             value = cells.values(position)
         else:
-            interval, share = self.place(position)
-            value = rise.take(interval, axis=1)
-            value *= share
-            value += base.take(interval, axis=1)
+            value = self._looked_up(position, base, rise)
         for i, column in zip(rows, value, strict=False):
             result[i] = column
         for i, k in half.items():
             result[i] = result[i] + approach * value[k]
         return result
+
+    def _looked_up(self, position: np.ndarray, base: np.ndarray, rise: np.ndarray) -> np.ndarray:
+        """(C, N) columns of the bins at places (N,)."""
+        library = kernel.library() if len(position) >= MANY and self._per else None
+        if library is None:
+            interval, share = self.place(position)
+            value: np.ndarray = rise.take(interval, axis=1)
+            value *= share
+            value += base.take(interval, axis=1)
+            return value
+        position, value = np.ascontiguousarray(position), np.empty((len(base), len(position)))
+        nodes, width = self._intervals
+        library.look(
+            *(ctypes.c_int64(len(position)), ctypes.c_void_p(position.ctypes.data)),
+            *(ctypes.c_int64(len(width)), ctypes.c_void_p(nodes.ctypes.data)),
+            *(ctypes.c_void_p(width.ctypes.data), ctypes.c_double(self._per)),
+            *(ctypes.c_int64(self.step != 0), ctypes.c_int64(len(base))),
+            *(ctypes.c_void_p(column.ctypes.data) for column in (base, rise, value)),
+        )
+        return value
+
+    @cached_property
+    def _per(self) -> float:
+        """Intervals per mm, of all but perhaps the last, 0 where they differ."""
+        return 1.0 / self.step if self.step else self._nearly
+
+    @cached_property
+    def _intervals(self) -> tuple[np.ndarray, np.ndarray]:
+        """The nodes and the intervals' widths, mm, each in one piece."""
+        return np.ascontiguousarray(self.nodes), np.diff(self.nodes)
 
     @cached_property
     def _cells(self) -> Cells:

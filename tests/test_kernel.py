@@ -1,0 +1,312 @@
+"""The compiled kernel gives the bits that numpy gives: on tables, on random arcs of all kinds, and
+so the same bytes. It is built here, in a folder of its own."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import os
+import random
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from postproc import kernel
+from postproc.compensate import Options, compiled, fit
+from postproc.filter import Filter, setup_of
+from postproc.machine.file import read_machine
+from postproc.machine.tables import AxisTable
+from postproc.nc import dialects
+from postproc.records import names
+from tests.small_machines import write_mill
+
+COMPILER = shlex.split(os.environ.get("CC", "cc"))[0]
+needs_compiler = pytest.mark.skipif(
+    not shutil.which(COMPILER), reason=f"there is no C compiler {COMPILER} here"
+)
+ZERO = {"G54": {"X": 0.0, "Y": 0.0, "Z": 0.0}}
+SIDES = pytest.mark.parametrize("two_way", [False, True])
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory) -> Path:
+    target = tmp_path_factory.mktemp("kernel") / "kernel-built.so"
+    assert kernel.build(str(target)) == ""
+    return target
+
+
+@pytest.fixture(scope="module")
+def library(built) -> ctypes.CDLL:
+    return ctypes.CDLL(str(built))
+
+
+def use(monkeypatch, library: ctypes.CDLL | None) -> None:
+    monkeypatch.setattr(kernel, "library", lambda: library)
+
+
+# ---- tables --------------------------------------------------------------------------------------
+
+NODES = {
+    "even": np.linspace(-5.0, 45.0, 11),
+    "a shorter last interval": np.append(np.arange(-5.0, 41.0, 5.0), 43.0),
+    "one interval": np.array([-5.0, 45.0]),
+    "uneven": np.array([-5.0, 1.0, 3.0, 20.0, 45.0]),
+}
+
+
+@needs_compiler
+@pytest.mark.parametrize("nodes", NODES.values(), ids=NODES)
+@pytest.mark.parametrize("stride", [1, 3])
+def test_a_table_has_the_same_bits(monkeypatch, library, nodes, stride):
+    """At random places, at nodes and beside them, and beyond the ends; of tables and of places that
+    do not lie in one piece."""
+    rng = np.random.default_rng(len(nodes))
+    near = np.concatenate([nodes, np.nextafter(nodes, 99.0), np.nextafter(nodes, -99.0)])
+    places = np.concatenate([rng.uniform(-9.0, 49.0, 3 * 997 - 2 * len(near)), near, near])
+    position, approach = places[::stride], rng.choice([-1.0, 0.0, 1.0], len(places[::stride]))
+    forward, reverse = rng.normal(size=(2, len(nodes), 6))
+    forward[:, 2] = reverse[:, 2] = 0.0
+    table = AxisTable("X", np.repeat(nodes, 2)[::2], forward.T, reverse.T)
+    seen = []
+    counted = type("Counted", (), {"look": lambda self, *a: (seen.append(1), library.look(*a))})()
+    for along in (None, 0, 1, 2):
+        use(monkeypatch, None)
+        plain = table.evaluate(position, approach, along)
+        use(monkeypatch, counted)
+        for one, other in zip(plain, table.evaluate(position, approach, along), strict=True):
+            assert (one is None and other is None) or one.tobytes() == other.tobytes()
+    assert bool(seen) == (nodes is not NODES["uneven"])
+
+
+# ---- arcs ----------------------------------------------------------------------------------------
+
+
+class Lines:
+    """Random arcs on the mill of small_machines.py, in one plane."""
+
+    def __init__(self, seed: int, plane: str = "XY"):
+        self.rng, self.axes = random.Random(seed), plane
+        self.third = (set("XYZ") - set(plane)).pop()
+        code = {"XY": "G17", "ZX": "G18", "YZ": "G19"}[plane]
+        self.words = dict(zip("XYZ", "IJK", strict=True))
+        self.at = {"X": 100.0, "Y": 0.0, "Z": 0.0}
+        self.text = [f"G21 G90 {code} G54", "G0 X100 Y0 Z0", "F1000"]
+
+    def arc(self, radius: float, sweep: float, rise: float = 0.0, by_radius: bool = False) -> bool:
+        """Whether an arc of mm and rad stayed on the machine."""
+        first, second = self.axes
+        begin, code = self.rng.uniform(0, math.tau), self.rng.choice([2, 3])
+        centre = {
+            first: self.at[first] - radius * math.cos(begin),
+            second: self.at[second] - radius * math.sin(begin),
+        }
+        end = begin + (sweep if code == 3 else -sweep)
+        to = {
+            first: round(centre[first] + radius * math.cos(end), 3),
+            second: round(centre[second] + radius * math.sin(end), 3),
+            self.third: round(self.at[self.third] + rise, 3),
+        }
+        if not all(low < to[x] < high for x, low, high in BOX) or not all(
+            low < centre[x] - radius and centre[x] + radius < high
+            for x, low, high in BOX
+            if x in centre and radius < 60
+        ):
+            return False
+        words = " ".join(f"{x}{to[x]:.3f}" for x in sorted(to) if rise or x != self.third)
+        middle = [f"{self.words[x]}{centre[x] - self.at[x]:.4f}" for x in sorted(centre)]
+        if by_radius:
+            middle = [f"R{radius if sweep < math.pi else -radius:.3f}"]
+        self.text.append(f"G{code} {words} {' '.join(middle)}")
+        self.at |= to
+        return True
+
+    def many(self, count: int, *arguments) -> Lines:
+        """`count` arcs whose radius and sweep lie between pairs of numbers."""
+        made = 0
+        while made < count:
+            made += self.arc(*(self.rng.uniform(*a) if isinstance(a, tuple) else a
+                               for a in arguments))  # fmt: skip
+        return self
+
+    def __str__(self) -> str:
+        return "\n".join([*self.text, "M2", ""])
+
+
+BOX = ("X", 1.0, 199.0), ("Y", -59.0, 59.0), ("Z", -39.0, 39.0)
+KINDS = {
+    "arcs": lambda seed: Lines(seed).many(60, (1.0, 20.0), (0.2, 6.0)),
+    "small": lambda seed: Lines(seed).many(60, (0.002, 0.5), (0.05, 6.1)),
+    "tiny": lambda seed: Lines(seed).many(60, (0.005, 0.03), (0.3, 6.1)),
+    "wide": lambda seed: Lines(seed).many(40, (20.0, 55.0), (0.3, 3.0)),
+    "flat": lambda seed: Lines(seed).many(40, (100.0, 9000.0), (0.00002, 0.01)),
+    "nearly straight": lambda seed: Lines(seed).many(40, (5e5, 9e5), (2e-9, 9e-9)),
+    "nearly a turn": lambda seed: Lines(seed).many(20, (1.0, 20.0), (6.15, 6.2831)),
+    "turns": lambda seed: Lines(seed).many(20, (1.0, 20.0), math.tau),
+    "helices": lambda seed: Lines(seed).many(40, (1.0, 20.0), (0.2, 6.0), (-1.0, 1.0)),
+    "by R": lambda seed: Lines(seed).many(40, (1.0, 20.0), (0.2, 6.0), 0.0, True),
+    "other planes": lambda seed: Lines(seed, "ZX").many(30, (1.0, 20.0), (0.2, 6.0)),
+    "the third plane": lambda seed: Lines(seed, "YZ").many(30, (1.0, 20.0), (0.2, 6.0)),
+}
+
+
+def settled(monkeypatch, library, folder: Path, text: str, **options):
+    """The bytes that are made of a program, what was fitted, in order, and how many rows the
+    kernel cut and left."""
+    use(monkeypatch, library)
+    found, rows, real, tried = [], [0, 0], fit.settle, compiled.settle
+
+    def seen(f, these):
+        result = real(f, these)
+        found.append(result.pick(np.lexsort((result.t0, result.stroke))))
+        return result
+
+    def counted(f, these, samples):
+        pieces, left = tried(f, these, samples)
+        rows[0] += len(these) - len(left)
+        rows[1] += len(left)
+        return pieces, left
+
+    with monkeypatch.context() as m:
+        m.setattr(fit, "settle", seen)
+        m.setattr(compiled, "settle", counted)
+        machine = read_machine(folder)
+        filter_ = Filter(
+            machine, dialects.load("linuxcnc"), setup_of(machine, ZERO), Options(**options)
+        )
+        out = filter_.feed(text.encode()) + filter_.finish()
+    return out, found, rows
+
+
+def same(monkeypatch, library, folder: Path, text: str, **options) -> list[int]:
+    """How many rows the kernel cut and left; all that is fitted has the same bits."""
+    plain, rows, none = settled(monkeypatch, None, folder, text, **options)
+    out, others, count = settled(monkeypatch, library, folder, text, **options)
+    assert none[0] == 0
+    assert len(rows) == len(others) > 0
+    for one, other in zip(rows, others, strict=True):
+        for name in names(type(one)):
+            assert getattr(one, name).tobytes() == getattr(other, name).tobytes(), name
+    assert out == plain
+    return count
+
+
+def rough(folder: Path, two_way: bool) -> Path:
+    """That mill with a node every quarter of a millimetre, the tables bent at each of them."""
+    write_mill(folder, two_way)
+    for path in folder.glob("?.csv"):
+        head, *lines = path.read_text().split()
+        rows = np.array([[float(v) for v in line.split(",")] for line in lines])
+        nodes = np.arange(rows[0, 0], rows[-1, 0] + 0.1, 0.25)
+        rng = np.random.default_rng(ord(path.stem))
+        columns = [np.interp(nodes, rows[:, 0], column) for column in rows.T[1:]]
+        noise = rng.uniform(-0.3, 0.3, len(nodes))
+        values = np.stack([nodes, *(column + noise for column in columns)], axis=1)
+        text = [head, *(",".join(f"{v:.4f}" for v in row) for row in values)]
+        path.write_text("\n".join(text) + "\n")
+    return folder
+
+
+@needs_compiler
+@SIDES
+@pytest.mark.parametrize("tolerance", [0.0003, 0.001, 0.005])
+def test_arcs_of_many_samples_and_many_pieces_are_cut_the_same(
+    tmp_path, monkeypatch, library, two_way, tolerance
+):
+    """More than the kernel holds of either, and intervals of two samples that are too long."""
+    folder = rough(tmp_path / "mill", two_way)
+    text = str(Lines(1).many(12, (0.3, 45.0), (0.2, 6.0)))
+    done, left = same(monkeypatch, library, folder, text, tolerance=tolerance)
+    assert (tolerance < 0.001 or done) and left
+
+
+INSIDE = """G21 G90 G17 G54
+T1 M6
+G0 X20 Y0 Z0
+F500
+G41 D1 G1 X30 Y0
+G3 X50 Y20 I0 J20
+G3 X30 Y40 I-20 J0
+G1 X20 Y40
+G40 G1 X10 Y40
+G2 X20 Y50 I10 J0
+G3 X30 Y40 I0 J-10
+M2
+"""
+
+
+@needs_compiler
+@SIDES
+def test_arcs_inside_cutter_radius_compensation_are_left(tmp_path, monkeypatch, library, two_way):
+    folder = write_mill(tmp_path / "mill", two_way)
+    done, left = same(monkeypatch, library, folder, INSIDE)
+    assert done >= 2 and left >= 2
+
+
+@needs_compiler
+@SIDES
+@pytest.mark.parametrize("tolerance", [0.0002, 0.001, 0.02])
+@pytest.mark.parametrize("kind", KINDS)
+def test_arcs_are_cut_the_same(tmp_path, monkeypatch, library, two_way, kind, tolerance):
+    folder = write_mill(tmp_path / "mill", two_way)
+    for seed in range(3):
+        done, left = same(monkeypatch, library, folder, str(KINDS[kind](seed)), tolerance=tolerance)
+        if kind in ("turns", "helices", "by R"):
+            assert not done or (two_way and kind == "turns")  # reversals cut a turn in four
+        if kind in ("arcs", "wide", "other planes", "the third plane"):
+            assert done > 3 * left
+
+
+# ---- building ------------------------------------------------------------------------------------
+
+
+@needs_compiler
+def test_only_a_kernel_of_this_source_is_taken(tmp_path, monkeypatch, built):
+    fresh = kernel.library.__wrapped__
+    monkeypatch.setattr(kernel, "BUILT", str(tmp_path / "kernel-built.so"))
+    assert fresh() is None
+    (tmp_path / "kernel-built.so").write_bytes(b"for another computer")
+    assert fresh() is None
+    shutil.copy(built, tmp_path / "kernel-built.so")
+    assert fresh() is not None
+    other = tmp_path / "kernel.c"
+    other.write_bytes(Path(kernel.SOURCE).read_bytes() + b"\n")
+    monkeypatch.setattr(kernel, "SOURCE", str(other))
+    assert fresh() is None
+
+
+def test_without_a_compiler_that_is_said(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(kernel, "BUILT", str(tmp_path / "kernel-built.so"))
+    monkeypatch.setenv("CC", "no-such-compiler -m64")
+    assert kernel.main() == 1
+    assert "no C compiler no-such-compiler here" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+@needs_compiler
+def test_a_compiler_that_fails_is_heard(tmp_path, monkeypatch, capsys):
+    broken = tmp_path / "kernel.c"
+    broken.write_text("this is no C\n")
+    monkeypatch.setattr(kernel, "SOURCE", str(broken))
+    monkeypatch.setattr(kernel, "BUILT", str(tmp_path / "kernel-built.so"))
+    assert kernel.main() == 1
+    assert "error" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [broken]
+
+
+@needs_compiler
+def test_it_is_built_where_it_is_found(tmp_path):
+    package = tmp_path / "postproc"
+    shutil.copytree(Path(kernel.FOLDER), package, ignore=shutil.ignore_patterns("*.so", "*.pyc"))
+    command = [sys.executable, "-m", "postproc.kernel"]
+    told = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert told == f"built {package / 'kernel-built.so'}\n"
+    asked = "from postproc import kernel; print(kernel.library() is not None)"
+    done = subprocess.run(
+        [sys.executable, "-c", asked], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "True\n"
