@@ -147,10 +147,9 @@ static double multiple(const double *value, const double *part, const double *we
     return both / (size > 0 ? size : 1.0);
 }
 
-/* Proof._fitted and _rounded: the centre as it will be written, mm from the nominal one; 0 where
-   the run ends where it begins. */
-static int fitted_centre(const Work *w, whole r, const Run *run, const double place[2][2],
-                         double *drawn)
+/* Proof._fitted and _rounded: the centre as it will be written, mm from the nominal one, of a run
+   that does not end where it begins. */
+static void fit(const Work *w, whole r, const Run *run, const double place[2][2], double *drawn)
 {
     const whole R = w->rows, N = w->samples;
     const double *unit[2] = {w->unit + run->low, w->unit + run->high};
@@ -160,7 +159,6 @@ static int fitted_centre(const Work *w, whole r, const Run *run, const double pl
                 - w->grown[r] * run->t[e];
     const double x = unit[1][0] - unit[0][0], y = unit[1][N] - unit[0][N];
     const double length = sqrt(x * x + y * y);
-    if (!(length > SAME_ANGLE)) return 0;
     const double along[2] = {x / length, y / length}, across[2] = {-along[1], along[0]};
     const double move = (ends[1] - ends[0]) / length, moved[2] = {along[0] * move, along[1] * move};
     for (int k = 0; k < FITTED; k++) {
@@ -178,7 +176,6 @@ static int fitted_centre(const Work *w, whole r, const Run *run, const double pl
         const double way = (moved[k] + across[k] * off - place[0][k]) * TICKS - base;
         drawn[k] = place[0][k] + (base + rint(way / grid) * grid) / TICKS;
     }
-    return 1;
 }
 
 /* Proof.run, for arcs that have one candidate. */
@@ -190,8 +187,7 @@ static Proof proven(const Work *w, whole r, const Run *run)
     for (int e = 0; e < 2; e++)
         for (int k = 0; k < 2; k++)
             place[e][k] = (double)run->tick[e][k] / TICKS - w->centre[k * R + r];
-    p.left = !fitted_centre(w, r, run, place, drawn);
-    if (p.left) return p;
+    fit(w, r, run, place, drawn);
     for (int k = 0; k < 2; k++) p.centre[k] = (whole)rint((drawn[k] - place[0][k]) * TICKS);
     for (int e = 0; e < 2; e++) {
         for (int k = 0; k < 2; k++) away[e][k] = place[e][k] - drawn[k];
@@ -214,7 +210,7 @@ static Proof proven(const Work *w, whole r, const Run *run)
     /* Flat ones have one candidate more, or become chords: more of them, by r s^2 / 8. */
     const double coarse = larger((double)w->grid[r], (double)w->grid[R + r]) / TICKS;
     const double bow = w->radius[r] * sweep * sweep / 8;
-    p.left |= !p.good && bow < 2.5 * larger(FLAT * coarse, w->flat);
+    p.left = !p.good && bow < 2.5 * larger(FLAT * coarse, w->flat);
     return p;
 }
 
@@ -229,9 +225,9 @@ static whole until(const Work *w, whole low, whole high, double t)
     return low;
 }
 
+/* A piece more; how many there are. */
 static whole put(const Work *w, whole r, whole n, const Run *run, const Proof *p)
 {
-    if (n < 0 || n == w->most) return -1;
     const whole at = r * w->most + n;
     w->low[at] = run->low;
     w->high[at] = run->high;
@@ -275,7 +271,7 @@ static whole pieces(const Work *w, whole r)
     }
     Proof whole_run = proven(w, r, &run);
     while (!whole_run.left && !whole_run.good) {
-        if (run.low + 1 == run.high) return -1;
+        if (run.low + 1 == run.high || n + 2 > w->most) return -1;
         Run one = run, two = run;
         const whole half = (run.low + run.high) / 2;
         end_at(w, r, &one, 1, half);
@@ -289,7 +285,6 @@ static whole pieces(const Work *w, whole r)
         }
         if (!longest(w, r, &run, &one, &p)) return -1;
         n = put(w, r, n, &one, &p);
-        if (n < 0) return -1;
         end_at(w, r, &run, 0, one.high);
         whole_run = proven(w, r, &run);
     }

@@ -141,6 +141,7 @@ BOX = ("X", 1.0, 199.0), ("Y", -59.0, 59.0), ("Z", -39.0, 39.0)
 KINDS = {
     "arcs": lambda seed: Lines(seed).many(60, (1.0, 20.0), (0.2, 6.0)),
     "small": lambda seed: Lines(seed).many(60, (0.002, 0.5), (0.05, 6.1)),
+    "smallest": lambda seed: Lines(seed).many(60, (0.0018, 0.0026), (3.0, 6.1)),
     "tiny": lambda seed: Lines(seed).many(60, (0.005, 0.03), (0.3, 6.1)),
     "wide": lambda seed: Lines(seed).many(40, (20.0, 55.0), (0.3, 3.0)),
     "flat": lambda seed: Lines(seed).many(40, (100.0, 9000.0), (0.00002, 0.01)),
@@ -249,11 +250,11 @@ def test_arcs_inside_cutter_radius_compensation_are_left(tmp_path, monkeypatch, 
 
 @needs_compiler
 @SIDES
-@pytest.mark.parametrize("tolerance", [0.0002, 0.001, 0.02])
+@pytest.mark.parametrize("tolerance", [0.0002, 0.001, 0.1])
 @pytest.mark.parametrize("kind", KINDS)
 def test_arcs_are_cut_the_same(tmp_path, monkeypatch, library, two_way, kind, tolerance):
     folder = write_mill(tmp_path / "mill", two_way)
-    for seed in range(3):
+    for seed in range(2):
         done, left = same(monkeypatch, library, folder, str(KINDS[kind](seed)), tolerance=tolerance)
         if kind in ("turns", "helices", "by R"):
             assert not done or (two_way and kind == "turns")  # reversals cut a turn in four

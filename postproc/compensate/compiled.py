@@ -80,7 +80,7 @@ def _columns(f: Fitter, rows: Rows, s: Samples) -> dict[str, np.ndarray]:
     arcs, arc = f.arcs, rows.arc
     grid = arcs.grid.take(arc, axis=1)
     half = np.minimum(*grid) / TICKS_PER_MM / 2
-    other = (arcs.by_radius.take(arc) != 0) | arcs.radius_alone.take(arc) | f.inside.take(arc)
+    other = (arcs.by_radius.take(arc) != 0) | f.inside.take(arc)
     for axis in s.beside:  # a helix
         other |= f.moves[axis].take(arc)
     zero, step = (column.take(rows.stroke, axis=1) for column in f.increments)
