@@ -247,7 +247,6 @@ static int longest(const Work *w, whole r, const Run *all, Run *best, Proof *p)
         whole middle = (reach + over) / 2;
         if (excess > 1.0) middle = until(w, all->low, over, nextafter(far, 2.0)) - 1;
         if (middle < reach + 1) middle = reach + 1;
-        if (middle > over - 1) middle = over - 1;
         Run run = *all;
         end_at(w, r, &run, 1, middle);
         const Proof tried = proven(w, r, &run);

@@ -155,7 +155,7 @@ KINDS = {
 }
 
 
-def settled(monkeypatch, library, folder: Path, text: str, **options):
+def settled(monkeypatch, library, folder: Path, text: str, dialect: str = "linuxcnc", **options):
     """The bytes that are made of a program, what was fitted, in order, and how many rows the
     kernel cut and left."""
     use(monkeypatch, library)
@@ -177,16 +177,16 @@ def settled(monkeypatch, library, folder: Path, text: str, **options):
         m.setattr(compiled, "settle", counted)
         machine = read_machine(folder)
         filter_ = Filter(
-            machine, dialects.load("linuxcnc"), setup_of(machine, ZERO), Options(**options)
+            machine, dialects.load(dialect), setup_of(machine, ZERO), Options(**options)
         )
         out = filter_.feed(text.encode()) + filter_.finish()
     return out, found, rows
 
 
-def same(monkeypatch, library, folder: Path, text: str, **options) -> list[int]:
+def same(monkeypatch, library, folder: Path, text: str, *dialect: str, **options) -> list[int]:
     """How many rows the kernel cut and left; all that is fitted has the same bits."""
-    plain, rows, none = settled(monkeypatch, None, folder, text, **options)
-    out, others, count = settled(monkeypatch, library, folder, text, **options)
+    plain, rows, none = settled(monkeypatch, None, folder, text, *dialect, **options)
+    out, others, count = settled(monkeypatch, library, folder, text, *dialect, **options)
     assert none[0] == 0
     assert len(rows) == len(others) > 0
     for one, other in zip(rows, others, strict=True):
@@ -220,9 +220,24 @@ def test_arcs_of_many_samples_and_many_pieces_are_cut_the_same(
 ):
     """More than the kernel holds of either, and intervals of two samples that are too long."""
     folder = rough(tmp_path / "mill", two_way)
-    text = str(Lines(1).many(12, (0.3, 45.0), (0.2, 6.0)))
-    done, left = same(monkeypatch, library, folder, text, tolerance=tolerance)
-    assert (tolerance < 0.001 or done) and left
+    for seed, radii in (1, (0.3, 45.0)), (2, (20.0, 50.0)):
+        text = str(Lines(seed).many(12, radii, (0.2, 6.0)))
+        done, left = same(monkeypatch, library, folder, text, tolerance=tolerance)
+        assert (done or tolerance < 0.001) and (left or seed == 2)
+
+
+@needs_compiler
+@pytest.mark.parametrize("kind", ["arcs", "wide"])
+def test_arcs_in_coarse_increments_are_cut_the_same(tmp_path, monkeypatch, library, kind):
+    """Of 0.01 mm, of a control that lets both radii differ by 0.005 mm: rounding moves the centre
+    by more."""
+    folder = write_mill(tmp_path / "mill", False)
+    toml = folder / "machine.toml"
+    toml.write_text(toml.read_text().replace("least_increment = 0.0001", "least_increment = 0.01"))
+    for seed in range(2):
+        text = str(KINDS[kind](seed)).replace("M2", "M30")
+        done, _ = same(monkeypatch, library, folder, text, "grbl", tolerance=0.02)
+        assert done
 
 
 INSIDE = """G21 G90 G17 G54
