@@ -240,17 +240,19 @@ def test_arcs_in_coarse_increments_are_cut_the_same(tmp_path, monkeypatch, libra
         assert done
 
 
-INSIDE = """G21 G90 G17 G54
+STEPS = "".join(
+    f"G3 X{x + 10} Y{y + 10} I0 J10\nG2 X{x + 20} Y{y + 20} I10 J0\n"
+    for x, y in zip(range(20, 120, 20), range(-50, 50, 20), strict=True)
+)
+INSIDE = f"""G21 G90 G17 G54
 T1 M6
-G0 X20 Y0 Z0
+G0 X5 Y-50 Z0
 F500
-G41 D1 G1 X30 Y0
-G3 X50 Y20 I0 J20
-G3 X30 Y40 I-20 J0
-G1 X20 Y40
-G40 G1 X10 Y40
-G2 X20 Y50 I10 J0
-G3 X30 Y40 I0 J-10
+G41 D1 G1 X20 Y-50
+{STEPS}G1 X130
+G40 G1 X140
+G2 X150 Y40 I0 J-10
+G3 X160 Y30 I10 J0
 M2
 """
 

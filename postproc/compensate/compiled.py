@@ -1,9 +1,9 @@
 """Arcs cut by the compiled kernel, where it was built: what `postproc.compensate.fit` makes of
 them, to the last bit.
 
-It knows the plainest arcs only: lines by a centre word, in one plane, outside of cutter radius
-compensation, less than a turn, and none so flat that there is more than one centre to try. What
-else a row needs, it leaves to `fit`.
+It knows the plainest arcs only: those along which nothing but the map bends the command, by a
+centre word, in their plane, of less than a turn, and not so flat that there is more than one centre
+to try. What else a row needs, it leaves to `fit`.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def _columns(f: Fitter, rows: Rows, s: Samples) -> dict[str, np.ndarray]:
     arcs, arc = f.arcs, rows.arc
     grid = arcs.grid.take(arc, axis=1)
     half = np.minimum(*grid) / TICKS_PER_MM / 2
-    other = (arcs.by_radius.take(arc) != 0) | f.inside.take(arc)
+    other = arcs.by_radius.take(arc) != 0
     for axis in s.beside:  # a helix
         other |= f.moves[axis].take(arc)
     zero, step = (column.take(rows.stroke, axis=1) for column in f.increments)

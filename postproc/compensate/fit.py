@@ -36,13 +36,13 @@ def settle(f: Fitter, rows: Rows) -> Rows:
         if not len(rows):
             break
         rest: list[Rows] = []
-        for which, samples in taken(f if level == 0 else closer, rows):
+        fitter = f if level == 0 else closer
+        for which, samples in taken(fitter, rows):
             some = rows.pick(which)
-            if level == 0:
-                pieces, left = compiled.settle(f, some, samples)
-                done += pieces
+            pieces, left = compiled.settle(fitter, some, samples)
+            done += pieces
+            if len(left):
                 some, samples = some.pick(left), samples.pick(left)
-            if len(some):
                 Cutting(f, some, samples, done, rest).run(level == LEVELS)
         rows = joined(rest) if rest else rows.pick(np.zeros(0, np.int64))
     return joined(done)

@@ -139,7 +139,7 @@ class AxisTable(BothWays):
         both = [i for i in rows if np.any(self.half[i])]
         value = np.concatenate([self.mean[rows], self.half[both]])
         half = {i: len(rows) + k for k, i in enumerate(both)}
-        return rows, value[:, :-1].copy(), np.ascontiguousarray(np.diff(value)), half
+        return rows, value[:, :-1].copy(), np.diff(value).copy(), half
 
     def place(self, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(N,) index of the node below each position, mm, and (N,) the share of the interval above
