@@ -54,6 +54,7 @@ def use(monkeypatch, library: ctypes.CDLL | None) -> None:
 NODES = {
     "even": np.linspace(-5.0, 45.0, 11),
     "a shorter last interval": np.append(np.arange(-5.0, 41.0, 5.0), 43.0),
+    "thirds": np.append(np.arange(-2, 38) / 3.0, 12.5),
     "one interval": np.array([-5.0, 45.0]),
     "uneven": np.array([-5.0, 1.0, 3.0, 20.0, 45.0]),
 }
