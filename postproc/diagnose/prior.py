@@ -39,12 +39,16 @@ RARE = {
 
 
 def cost_of(block: Block) -> float:
-    """What a block pays for its name, for the shapes that it was chosen from, and where very many
-    samples show it, twice the logarithm."""
+    """What a block pays for its name and for the shapes that it was chosen from, twice the
+    logarithm."""
     again = AGAIN * (len(block.shape) - 1) if block.name == "step_loss" else 0.0
     usual = min(_further(block), 0.0)
-    many = max(MISFIT * math.sqrt(block.shown) - ANYWAY, 0.0)
-    return rarity(block) + usual + 2 * math.log(block.siblings) + again + many
+    return rarity(block) + usual + 2 * math.log(block.siblings) + again
+
+
+def cost_of_many(samples: int) -> float:
+    """What a block pays beside that where instruments of so many samples show it."""
+    return max(MISFIT * math.sqrt(samples) - ANYWAY, 0.0)
 
 
 def rarity(block: Block) -> float:
