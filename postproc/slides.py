@@ -29,12 +29,14 @@ LEAST = 1e-7  # mm: a smaller play is none
 @dataclass(frozen=True)
 class Legs:
     """L stretches of motions along which no axis turns back: motion (L,), until t (L,) of it;
-    begin, end (A, L) mm, nan where it is not known."""
+    begin, end (A, L) mm, nan where it is not known. anew (A, L): something else (G28) has taken the
+    slide to where the leg begins, and on which side it bears there is not known."""
 
     motion: np.ndarray
     until: np.ndarray
     begin: np.ndarray
     end: np.ndarray
+    anew: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -122,7 +124,9 @@ class Slides:
         lived = np.full((3, *legs.end.shape), np.nan)
         half = self.half(legs.end)
         for k, row in enumerate(self.rows):
-            columns = (legs.begin[row].tolist(), legs.end[row].tolist(), half[k].tolist())
+            columns = (
+                x.tolist() for x in (legs.begin[row], legs.end[row], half[k], legs.anew[row])
+            )
             if states := [self.one[row].move(*leg) for leg in zip(*columns, strict=True)]:
                 lived[:, row] = np.array(states).T
         return Led(self, legs, *lived)
@@ -137,13 +141,14 @@ class _Slide:
         self.place = self.far = float("nan")
         self.side = 0.0
 
-    def move(self, begin: float, end: float, half: float) -> tuple[float, float, float]:
-        """Command from begin to end, mm, with half the play. Side, far and place before it."""
+    def move(self, begin: float, end: float, half: float, anew: bool) -> tuple[float, float, float]:
+        """Command from begin to end, mm, with half the play; anew: taken to begin by something
+        else. Side, far and place before it."""
         if begin != begin or end != end:  # from or to an unknown place
             self.place, self.far, self.side = end, end, 0.0
             return 0.0, end, end
-        if self.place != self.place:
-            self.place = self.far = begin
+        if anew or self.place != self.place:
+            self.place, self.far, self.side = begin, begin, 0.0
         before = self.side, self.far, self.place
         self.place = min(max(self.place, end - half), end + half)
         ahead = (end - self.far) * self.side
@@ -170,12 +175,12 @@ def _of_slides(machine: Machine, m: Motions, legs: Legs) -> Legs:
             slides = poses.out_of(machine, space, length, places[:, known])
             # a slide that stays has not moved by the last digit of a sum
             places[:, known] = np.round(slides, 9)
-    return Legs(legs.motion, legs.until, begin, end)
+    return Legs(legs.motion, legs.until, begin, end, legs.anew)
 
 
 def _legs(m: Motions) -> Legs:
     """Motions; arcs cut where an axis of their plane turns back; holes down and up."""
-    start = np.where(m.start_known & ~m.sent, m.start / TICKS_PER_MM, np.nan)
+    start = np.where(m.start_known, m.start / TICKS_PER_MM, np.nan)
     target = np.where(m.target_known, m.target / TICKS_PER_MM, np.nan)
     motions, untils, stops = [np.arange(len(m))], [np.ones(len(m))], [target]
     arcs = m.arcs
@@ -200,4 +205,4 @@ def _legs(m: Motions) -> Legs:
     begin = np.concatenate([np.full((len(ends), 1), np.nan), ends[:, :-1]], axis=1)
     first = np.concatenate([[True], motion[1:] != motion[:-1]])
     begin[:, first] = start[:, motion[first]]
-    return Legs(motion, until, begin, ends)
+    return Legs(motion, until, begin, ends, m.sent[:, motion] & first)

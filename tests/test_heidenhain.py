@@ -4,6 +4,8 @@ defined does not."""
 from __future__ import annotations
 
 import pytest
+from fuzz.cases import Case, filter_of
+from fuzz.laws import broken, outcome
 
 from postproc.nc import dialects
 from postproc.nc.interpreter import Interpreter
@@ -60,3 +62,20 @@ def test_an_oversize_of_the_radius_in_a_tool_call_moves_nothing():
     ends, reasons = follow("N20 T1 G17 S2000 DR+1 DR2-0.1 *|N30 G01 X+10 F500 *")
     assert ends == [0.0, 10.0]
     assert not any(reasons)
+
+
+CORNERS = ["G30 *", "G30 G17 X+0 Y+0 Z-40 *|N16 G31 G90 X+100 Y+60 Z+0 *|N17 G91 *"]
+
+
+@pytest.mark.parametrize("blank", CORNERS)
+def test_the_corners_of_the_blank_move_nothing(blank):
+    """G30 is no reference point here: an axis that rests behind it has its lost motion as before
+    ("Define the blank", DIN/ISO)."""
+    text = "%P G71 *|N10 G91 G1 X+2 Z+1.7 F200 *|{}N20 G90 G0 Y-8.9 Z-35 *|N30 G1 Y+4 *|N40 X+1 *|"
+    answers = []
+    for between in ("", f"N15 {blank}|"):
+        case = Case(text.format(between).replace("|", "\n").encode(), "heidenhain-iso", "two-way")
+        assert broken(case) == ""
+        answers.append(outcome(filter_of(case), [case.text])[0].splitlines())
+    said = {line.encode() for line in f"N15 {blank}".split("|")}
+    assert answers[0] == [line for line in answers[1] if line not in said]

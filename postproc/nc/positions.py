@@ -15,6 +15,7 @@ from postproc.nc.columns import at, hold_index, hold_last
 from postproc.nc.grammar import ABSOLUTE, RELATIVE
 from postproc.nc.measures import measures
 from postproc.nc.references import away as sent_away
+from postproc.nc.references import sending
 from postproc.nc.state import UNSAID
 from postproc.records import mutable, replace
 
@@ -74,7 +75,7 @@ class _Axes:
         self.forgets = np.count_nonzero(self.forget) + len(b.gone) + len(b.changed)
         # whether any word says by itself that it is absolute or a distance
         self.spelled = max(b.places, default="") >= chr(RELATIVE)
-        self.sends = 280 in b.single or 300 in b.single
+        self.sends = bool(sending(b)) if b.single else False
         self.sent, self.changed = _before(b, b.state.sent), _before(b, b.state.changed)
         self.held = any_of(self.sent | self.changed)
 

@@ -13,6 +13,16 @@ from postproc.nc.zeros import homed, second_home
 from postproc.units import TICKS_PER_MM
 
 
+def sending(b: Batch) -> dict[int, np.ndarray]:
+    """By number, ten times G28 and G30: the blocks that send axes away. Where the code does
+    something else (a corner of the blank, in Heidenhain's DIN/ISO) nothing moves."""
+    return {
+        number: b.single[number]
+        for number in (280, 300)
+        if number in b.single and not b.dialect.by_number[number].does
+    }
+
+
 def away(
     b: Batch, letter: str, position: np.ndarray, named: np.ndarray, forget: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -20,29 +30,27 @@ def away(
     where they do."""
     drop = forget.copy()
     away = np.zeros(b.n, bool)
-    for number in (280, 300):
-        if number in b.single:
-            gone = drop.copy()
-            _reference(b, number, letter, gone)
-            away[b.single[number]] = gone[b.single[number]]
-            reference = homed(b) if number == 280 else second_home(b)
-            place = None
-            if reference is None or letter not in reference:
-                drop = gone
-            else:
-                block_of = b.single[number]
-                unsure = _bare(b, number) if b.dialect.home_named else np.zeros(b.n, bool)
-                if number == 300:
-                    unsure[_further(b)] = True
-                elsewhere = unsure[block_of]
-                drop[block_of[elsewhere]] = gone[block_of[elsewhere]]
-                block_of = block_of[~elsewhere]
-                drop[block_of] = False
-                there = block_of[gone[block_of]]
-                place = round(reference[letter] * TICKS_PER_MM)
-                position, named = _sent(position, named, there, place)
-            if number == 280 and letter in b.dialect.home_z_over:
-                drop = _taken_along(b, letter, place, position, drop)
+    for number, block_of in sending(b).items():
+        gone = drop.copy()
+        _reference(b, number, letter, gone)
+        away[block_of] = gone[block_of]
+        reference = homed(b) if number == 280 else second_home(b)
+        place = None
+        if reference is None or letter not in reference:
+            drop = gone
+        else:
+            unsure = _bare(b, number) if b.dialect.home_named else np.zeros(b.n, bool)
+            if number == 300:
+                unsure[_further(b)] = True
+            elsewhere = unsure[block_of]
+            drop[block_of[elsewhere]] = gone[block_of[elsewhere]]
+            block_of = block_of[~elsewhere]
+            drop[block_of] = False
+            there = block_of[gone[block_of]]
+            place = round(reference[letter] * TICKS_PER_MM)
+            position, named = _sent(position, named, there, place)
+        if number == 280 and letter in b.dialect.home_z_over:
+            drop = _taken_along(b, letter, place, position, drop)
     return position, named, drop, away
 
 
