@@ -271,6 +271,20 @@ def test_a_tap_with_a_chuck_stays_at_its_place():
         holes("CYCLE840(10,0,2,15)")
 
 
+@pytest.mark.parametrize("code", ["G0", "G1", "G91 G1"])
+@pytest.mark.parametrize("call", ["{}|X5", "MCALL {}|X5|X6|MCALL"])
+def test_a_tap_that_was_written_out_stays_as_it_is(code, call):
+    """CYCLE840 between its own two levels gets no others; with one of them alone it does."""
+    tap = "CYCLE840(10,0,2,-15,,0.5,4,3,1,,1.25)"
+    once = holes(f"{code} X1|Z3|{call}|X7|".format(tap).replace("|", "\n"))
+    assert tap in once
+    assert holes("\n".join(once) + "\n") == once
+    high = "G0 Z10."
+    assert holes(f"{high}\n{tap}\nX5\n") == [high, high, tap, high, "X5"]
+    assert holes(f"{tap}\n{high}\nX5\n") == [high, tap, high, high, "X5"]
+    assert holes(f"{high}\n{tap}\n{high}\nX5\n") == [high, tap, high, "X5"]
+
+
 def test_a_threading_cycle_stays():
     text = 'R1=2\nCYCLE97(R1,,-3.5,-31.708,40,40,4,0,1.227,0,30,0,10,1,3,1)\nCYCLE99(,"A",3)\nX5\n'
     assert holes(text) == [

@@ -224,7 +224,8 @@ class Run:
         name = found[1] if found else name
         if name.upper() in NAMES and self.library(name) is None:
             contour = contour_of(frame, self.library, call)
-            self.holes.call(name.upper(), self.values(frame, call), contour)
+            around = frame.source.around(frame.at)
+            self.holes.call(name.upper(), self.values(frame, call), contour, around)
             frame.step()
             return
         passes = 1 if call.count is None else rounded(call.count(frame.scope))

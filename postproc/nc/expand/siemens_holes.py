@@ -44,16 +44,22 @@ class Holes:
         self.called: Cycle | Removal | Thread | None = None  # to be drilled behind this line
 
     def call(
-        self, name: str, values: Sequence[Value | None], contour: Callable[[str], list[bytes]]
+        self,
+        name: str,
+        values: Sequence[Value | None],
+        contour: Callable[[str], list[bytes]],
+        around: tuple[bytes, bytes],
     ) -> None:
-        """A cycle that stands alone; contour: the plain lines of one by its name. Raises
-        Refusal."""
+        """A cycle that stands alone; contour: the plain lines of one by its name; around: the
+        program's lines before and behind the call. Raises Refusal."""
         if name == REMOVAL:
             self.called = Removal.of(values, contour)
         elif name in THREADS:
             self.called = Thread(name, values)
         else:
             self.called = CYCLES[name].of(name, values, self.sense)
+            if isinstance(self.called, Tapping):
+                self.called.around = around
 
     def behind(self, frame: Frame, text: bytes, own: bool) -> Iterator[bytes]:
         """The plain lines behind a line that has left. own: it is one of the program. Raises

@@ -26,9 +26,10 @@ NAMES = {
 
 
 class Tapping(Drilling):
-    """A call of CYCLE840 with its values."""
+    """A call of CYCLE840 with its values; around: the lines before and behind it."""
 
     words = NAMES
+    around = (b"", b"")
 
     def lines(self, tracker: Tracker, feed: bytes, speed: bytes = b"") -> list[bytes]:
         axis = self.axis(tracker)
@@ -36,7 +37,10 @@ class Tapping(Drilling):
         self._levels()
         high = b"G0 " + self._to(tracker, axis)(self.given["RTP"])
         values = [self.given.get(word) for word in self.words[self.name].split()]
-        return [high, _written(self.name, values), high, *tracker.motion_code()]
+        call = _written(self.name, values)
+        if self.around == (high, high):  # they stand there already
+            return [call]
+        return [high, call, high, *tracker.motion_code()]
 
 
 @dataclass

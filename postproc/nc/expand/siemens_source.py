@@ -49,6 +49,12 @@ class Source:
     def __init__(self, name: str, file: str, lines: list[bytes], skips: bool):
         self.name, self.file, self.lines, self.skips = name, file, lines, skips
 
+    def around(self, at: int) -> tuple[bytes, bytes]:
+        """The text of the lines before and behind a line; empty where there is none."""
+        before = self.lines[at - 1] if at else b""
+        behind = self.lines[at + 1] if at + 1 < len(self.lines) else b""
+        return before.strip(), behind.strip()
+
     @cached_property
     def marks(self) -> dict[str, list[int]]:
         """The lines of every label, and of every block number as "N10"."""
