@@ -285,6 +285,14 @@ def test_a_tap_that_was_written_out_stays_as_it_is(code, call):
     assert holes(f"{high}\n{tap}\n{high}\nX5\n") == [high, tap, high, "X5"]
 
 
+@pytest.mark.parametrize(
+    "call", ["CYCLE840(10,0,2,-15)", "CYCLE81(10,0,2,-15)", "MCALL CYCLE81(10,0,2,-15)"]
+)
+def test_a_hole_behind_a_line_that_can_not_be_followed_names_it(call):
+    with pytest.raises(ProgramError, match="a line before this one can not be followed: two codes"):
+        holes(f"G1 X1 F100\nDIAMOF DIAMON\n{call}\nX5\n")
+
+
 def test_a_threading_cycle_stays():
     text = 'R1=2\nCYCLE97(R1,,-3.5,-31.708,40,40,4,0,1.227,0,30,0,10,1,3,1)\nCYCLE99(,"A",3)\nX5\n'
     assert holes(text) == [

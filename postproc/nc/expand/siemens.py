@@ -57,6 +57,13 @@ def lines(program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
     return Run(program, tracker, limits).lines()
 
 
+def _before(error: Refusal | BlockFault) -> Refusal:
+    """What is wrong; the tracker has followed the lines up to here only when it was asked."""
+    if isinstance(error, Refusal):
+        return error
+    return Refusal(f"a line before this one can not be followed: {error.message}", error.advice)
+
+
 class Run:
     """One execution of a program."""
 
@@ -96,14 +103,8 @@ class Run:
                 continue
             try:
                 text = self.execute(frame, raw)
-            except Refusal as e:
-                raise e.at(source.name, at + 1, raw) from None
-            # the tracker has followed the lines up to here only when it was asked
-            except BlockFault as e:
-                refusal = Refusal(
-                    f"a line before this one can not be followed: {e.message}", e.advice
-                )
-                raise refusal.at(source.name, at + 1, raw) from None
+            except (Refusal, BlockFault) as e:
+                raise _before(e).at(source.name, at + 1, raw) from None
             if text is not None or self.holes.called:
                 yield from self.drilled(
                     frame, Line(text or b"", at + 1, source.file), text is not None
@@ -117,9 +118,9 @@ class Run:
         try:
             for text in self.holes.behind(frame, line.text, own):
                 yield Line(text, line.source, line.file)
-        except Refusal as e:
-            source = frame.source
-            raise e.at(source.name, line.source, source.lines[line.source - 1]) from None
+        except (Refusal, BlockFault) as e:
+            source, at = frame.source, line.source
+            raise _before(e).at(source.name, at, source.lines[at - 1]) from None
 
     def execute(self, frame: Frame, raw: bytes) -> bytes | None:
         """Execute the line at which the frame stands: its plain text, if any, and where control
