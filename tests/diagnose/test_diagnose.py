@@ -213,10 +213,10 @@ def test_a_row_that_can_not_be_used_is_listed(tmp_path):
 
 
 def thinned(data: bytes) -> bytes:
-    """A recording: every fourth sample of motions, every twelfth of long traces."""
+    """A recording: every second sample of motions, every twelfth of long traces."""
     lines = data.splitlines(keepends=True)
     head = next(k for k, line in enumerate(lines) if not line.startswith(b"#")) + 1
-    step = 1 if len(lines) < 2000 else 4 if len(lines) < 20_000 else 12
+    step = 1 if len(lines) < 2000 else 2 if len(lines) < 20_000 else 12
     return b"".join(lines[:head] + lines[head::step])
 
 
