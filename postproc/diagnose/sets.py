@@ -21,7 +21,7 @@ from postproc.diagnose.evidence import QUIETEST, Evidence, Fit, On
 from postproc.diagnose.explained import wandered, white
 from postproc.diagnose.library import FOUND
 from postproc.diagnose.parts import Part
-from postproc.diagnose.prior import cost_of, cost_of_many, plausible, unusual
+from postproc.diagnose.prior import cost_of, plausible, unusual
 from postproc.diagnose.rows import Rows
 
 Key = tuple[object, ...]  # members of a set, where it was fitted, by which way
@@ -93,18 +93,11 @@ class Sets:
 
     def add(self, blocks: list[Block]) -> list[int]:
         """Let blocks in; their numbers."""
-        costs = [cost_of(b) + cost_of_many(self._samples(b)) for b in blocks]
-        self.cost = np.append(self.cost, costs)
+        self.cost = np.append(self.cost, [cost_of(b) for b in blocks])
         numbers = self.evidence.add(blocks)
         for k, b in zip(numbers, blocks, strict=True):
             self._number.setdefault((b.key, b.shape), k)
         return numbers
-
-    def _samples(self, block: Block) -> int:
-        """Of the instruments that show a block."""
-        signal = self.rows.signal
-        shows = np.bincount(signal[block.columns.any(axis=1)], minlength=signal.max() + 1) > 0
-        return int(np.count_nonzero(shows[signal]))
 
     def special(self, k: int) -> int:
         """The number of the special case of a block, or its own where it is of no general form."""
