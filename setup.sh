@@ -33,3 +33,9 @@ if ! [ -x .venv/bin/pip ]; then
 fi
 echo "setup.sh: installing gcomp${1:+ with $1} and what it needs into .venv" >&2
 .venv/bin/pip install --quiet --disable-pip-version-check --use-pep517 --editable ".$extra"
+# What is faster in C, where there is a compiler; gcomp works without it, to the same bytes.
+compiler=${CC:-cc}
+if command -v "${compiler%% *}" >/dev/null; then
+    .venv/bin/python -m postproc.kernel >/dev/null 2>&1 ||
+        echo "setup.sh: $compiler could not build the kernel: gcomp works without it" >&2
+fi

@@ -1,4 +1,4 @@
-"""The compiled kernel (kernel.c), where somebody built it:
+"""The compiled kernel (kernel.c), where setup.sh or somebody built it:
 
     python -m postproc.kernel        # needs a C compiler: cc, or what CC names
 

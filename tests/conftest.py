@@ -17,6 +17,7 @@ sys.dont_write_bytecode = False
 
 from hypothesis import HealthCheck, settings  # noqa: E402
 
+from postproc import kernel  # noqa: E402
 from postproc.errors import GcompError  # noqa: E402
 from tests import slow_tests  # noqa: E402
 
@@ -80,3 +81,13 @@ def no_long_message(monkeypatch):
     yield
     long = [str(error) for error in made if len(str(error).splitlines()) > MOST_LINES]
     assert not long, long[0]
+
+
+@pytest.fixture(scope="module", params=[False, True] if kernel.library() else [False])
+def both_ways(request):
+    """Without the compiled kernel, and with it where it was built: for tests that compare bytes of
+    arcs."""
+    with pytest.MonkeyPatch.context() as m:
+        if not request.param:
+            m.setattr(kernel, "library", lambda: None)
+        yield

@@ -27,6 +27,7 @@ from postproc.nc import dialects
 from postproc.units import TICKS_PER_MM
 from tests.small_machines import write_mill
 
+pytestmark = pytest.mark.usefixtures("both_ways")
 DENSE = 1001
 
 

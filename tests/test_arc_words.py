@@ -27,6 +27,7 @@ from postproc.nc.lexer import lex
 from postproc.units import TICKS_PER_MM, UM
 from tests.small_machines import write_mill
 
+pytestmark = pytest.mark.usefixtures("both_ways")
 HEAD = """format = "gcomp-machine/1"
 name = "flat"
 control = "linuxcnc"

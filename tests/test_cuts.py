@@ -23,6 +23,8 @@ from tests.reference.evaluate import residual
 from tests.reference.machine import Machine as Reference
 from tests.small_machines import write_mill
 
+pytestmark = pytest.mark.usefixtures("both_ways")
+
 UM = 1e-3  # mm
 MACHINE = """format = "gcomp-machine/1"
 name = "two-slides"

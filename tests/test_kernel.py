@@ -11,6 +11,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -329,3 +330,46 @@ def test_it_is_built_where_it_is_found(tmp_path):
         [sys.executable, "-c", asked], cwd=tmp_path, capture_output=True, text=True, check=True
     )
     assert done.stdout == "True\n"
+
+
+# ---- setting up ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "compiler, status, built, said",
+    [
+        ("cc", 0, True, []),
+        ("cc -m64", 0, True, []),
+        ("cc", 1, True, ["setup.sh: cc could not build the kernel: gcomp works without it"]),
+        ("no-such-compiler", 1, False, []),
+    ],
+)
+def test_setting_up_builds_it_where_there_is_a_compiler(tmp_path, compiler, status, built, said):
+    """With a pip that installs nothing and a python that builds nothing: what is run and said."""
+    shutil.copy(Path(kernel.FOLDER).parent / "setup.sh", tmp_path)
+    bin_ = tmp_path / ".venv" / "bin"
+    bin_.mkdir(parents=True)
+    ran = tmp_path / "ran"
+    for name, script in {
+        "pip": "exit 0",
+        "python": f'echo "$@" >>{shlex.quote(str(ran))}; echo told; echo told >&2; exit {status}',
+        "cc": "exit 0",
+    }.items():
+        (bin_ / name).write_text(f"#!/bin/sh\n{script}\n")
+        (bin_ / name).chmod(0o755)
+    path = f"{bin_}:{os.environ['PATH']}"
+    done = subprocess.run(
+        ["sh", "setup.sh"], cwd=tmp_path, capture_output=True, text=True,
+        env={"PATH": path, "CC": compiler},
+    )  # fmt: skip
+    assert done.returncode == 0 and done.stdout == ""
+    assert done.stderr.splitlines()[1:] == said
+    assert (ran.read_text() if ran.exists() else "") == ("-m postproc.kernel\n" if built else "")
+
+
+def test_git_and_packages_leave_it_out():
+    """hatchling packs nothing that .gitignore names."""
+    root = Path(kernel.FOLDER).parent
+    assert "*.so" in (root / ".gitignore").read_text().splitlines()
+    hatch = tomllib.loads((root / "pyproject.toml").read_text())["tool"]["hatch"]["build"]
+    assert not [o for o in ("artifacts", "ignore-vcs") if o in str(hatch)]

@@ -22,6 +22,8 @@ from postproc.verify import Verifier
 from tests.programs import programs
 from tests.small_machines import MILL, STUDER_FANUC, STUDER_LINUXCNC, write_lagging, write_mill
 
+pytestmark = pytest.mark.usefixtures("both_ways")
+
 ROOT = Path(__file__).resolve().parents[1]
 FANUC = ROOT.parent / "shared" / "corpus" / "fanuc"
 SAMPLES = sorted(p for p in (ROOT / "sample_programs").iterdir() if p.suffix in (".nc", ".ngc"))
