@@ -1,6 +1,6 @@
 /* What numpy takes longest for, once more in C: looking at a table, and cutting arcs. The same
-   operations in the same order as in machine/tables.py (look), compensate/fit.py and
-   compensate/prove.py (the others), so the same bits; no compiler option may change that
+   operations in the same order as in machine/tables.py (look), compensate/samples.py (lay, aim),
+   compensate/fit.py and compensate/prove.py (the others), so the same bits; no compiler option may change that
    (kernel.py). Positions are mm and int64 ticks; tables (A, R) lie row behind row. */
 #include <math.h>
 #include <stdint.h>
@@ -45,6 +45,65 @@ void look(whole n, const double *at, whole intervals, const double *nodes, const
         }
         for (whole c = 0; c < C; c++)
             out[c * n + k] = rise[c * intervals + i] * share + base[c * intervals + i];
+    }
+}
+
+/* Samples of R plain rows in one plane, as compensate/laid.py lays them out: count of each row, from
+   its first stretch on. */
+typedef struct {
+    whole rows, samples, axes, first, second;
+    double bent;
+    const whole *stretch, *count, *parts;
+    const double *way, *step, *t0, *t1, *angle, *sweep, *radius, *grown;
+    const double *centre, *start, *travel, *shift;                               /* (..., R) */
+    double *tangent, *t, *smooth, *unit, *wide, *nominal, *guess;                /* (..., N) */
+} Laying;
+
+/* samples.laid: where on the arc they lie, and half of their angles in the place of tangents. */
+void lay(const Laying *w)
+{
+    for (whole r = 0, k = 0; r < w->rows; r++) {
+        const whole last = k + w->count[r] - 1;
+        for (whole g = w->stretch[r]; k < last; g++)
+            for (whole i = 0; i < w->parts[g]; i++, k++) {
+                w->t[k] = w->step[g] * (double)i + w->way[g];
+                w->smooth[k] = i ? w->bent : 0.0;
+            }
+        w->t[k] = w->t1[r];
+        w->smooth[k++] = 0.0;
+        for (whole i = k - w->count[r]; i < k; i++)
+            w->tangent[i] = (w->sweep[r] * w->t[i] + w->angle[r]) * 0.5;
+    }
+}
+
+/* samples.laid: directions, radii, places and what is foreseen of their commands. */
+void aim(const Laying *w)
+{
+    const whole R = w->rows, N = w->samples;
+    for (whole r = 0, k = 0; r < R; k += w->count[r++]) {
+        const whole n = w->count[r];
+        const double *t = w->t + k, *tangent = w->tangent + k, way = w->t1[r] - w->t0[r];
+        double *unit[2] = {w->unit + k, w->unit + N + k}, *wide = w->wide + k;
+        for (whole i = 0; i < n; i++) {
+            const double share = 2.0 / (tangent[i] * tangent[i] + 1.0);
+            unit[0][i] = share - 1.0;
+            unit[1][i] = tangent[i] * share;
+            wide[i] = w->grown[r] * t[i] + w->radius[r];
+        }
+        for (whole a = 0; a < w->axes; a++) {
+            const whole own = a * R + r;
+            const double from = w->shift[own], more = w->shift[w->axes * R + own] - from;
+            double *nominal = w->nominal + a * N + k, *guess = w->guess + a * N + k;
+            for (whole i = 0; i < n; i++) {
+                nominal[i] = w->travel[own] * t[i] + w->start[own];
+                guess[i] = more * ((t[i] - w->t0[r]) / way) + from;
+            }
+        }
+        for (int p = 0; p < 2; p++) {
+            double *nominal = w->nominal + (p ? w->second : w->first) * N + k;
+            for (whole i = 0; i < n; i++)
+                nominal[i] = wide[i] * unit[p][i] + w->centre[p * R + r];
+        }
     }
 }
 

@@ -13,6 +13,8 @@ import numpy as np
 from postproc.compensate.arc_rows import Fitter, Rows
 from postproc.compensate.arcs import direction
 from postproc.compensate.inverse import ROUNDS
+from postproc.compensate.laid import Laid
+from postproc.compensate.laid import laid as by_kernel
 from postproc.compensate.nodes import spread
 from postproc.compensate.stretches import SHARE, WIDEST, Stretches, stretches
 from postproc.records import columns, replace
@@ -131,19 +133,17 @@ def _placed(
     return t, inside
 
 
-def _samples(
-    f: Fitter, rows: Rows, which: np.ndarray, count: np.ndarray, way: Stretches
-) -> Samples:
-    """The samples of rows of one plane, which are those numbered `which` (R,) of `way`, `count`
-    (R,) each."""
+def laid(f: Fitter, rows: Rows, which: np.ndarray, count: np.ndarray, way: Stretches) -> Laid:
+    """(N,) t and smooth, (2, N) unit of the samples, as of Samples; (N,) mm the nominal radius and
+    (A, N) mm place there; and (A, N) mm by which the exact command will lie beside that, as far as
+    can be foreseen: between the ends, whose commands are known, the shift is nearly linear."""
     arcs, arc = f.arcs, rows.arc
-    first, second = int(arcs.first[arc[0]]), int(arcs.second[arc[0]])
+    if f.plain[arc[0]]:
+        compiled = by_kernel(f, rows, which, count, way, BENT)
+        if compiled is not None:
+            return compiled
     t, inside = _placed(rows, which, count, way)
-    plain = f.plain[arc[0]]
-    smooth = np.where(inside & plain, BENT, 0.0)
-    last = np.cumsum(count) - 1
-    begin = last - count + 1
-
+    smooth = np.where(inside & f.plain[arc[0]], BENT, 0.0)
     row = np.repeat(np.arange(len(rows)), count)
 
     def each(value: np.ndarray) -> np.ndarray:
@@ -151,22 +151,39 @@ def _samples(
 
     angle = each(arcs.angle[arc]) + each(arcs.sweep[arc]) * t
     unit = direction(angle)
-    radius = each(arcs.radius[arc]) + each((arcs.radius_end - arcs.radius)[arc]) * t
-    centre = each(arcs.centre.take(arc, axis=1))
+    radius = each(arcs.radius[arc]) + each(f.grown[arc]) * t
     start, target = f.start.take(arc, axis=1), f.target.take(arc, axis=1)
     nominal = each(target - start)
     nominal *= t
     nominal += each(start)
-    for k, axis in enumerate((first, second)):
-        nominal[axis] = centre[k] + radius * unit[k]
+    for k, axis in enumerate((arcs.first[arc[0]], arcs.second[arc[0]])):
+        nominal[axis] = each(arcs.centre[k].take(arc)) + radius * unit[k]
+    shift = way.shift.take(which, axis=-1)
+    guess = each(shift[1] - shift[0])
+    guess *= (t - each(rows.t0)) / each(rows.t1 - rows.t0)
+    guess += each(shift[0])
+    return t, smooth, unit, radius, nominal, guess
+
+
+def _samples(
+    f: Fitter, rows: Rows, which: np.ndarray, count: np.ndarray, way: Stretches
+) -> Samples:
+    """The samples of rows of one plane, which are those numbered `which` (R,) of `way`, `count`
+    (R,) each."""
+    arcs, arc = f.arcs, rows.arc
+    first, second = int(arcs.first[arc[0]]), int(arcs.second[arc[0]])
+    t, smooth, unit, radius, nominal, guess = laid(f, rows, which, count, way)
+    last = np.cumsum(count) - 1
+    begin = last - count + 1
+    row = np.repeat(np.arange(len(rows)), count)
     rest = way.rest[which]
-    if plain:
-        exact, miss = _commands(f, rows, t, nominal, way.shift.take(which, axis=-1), row)
+    if f.plain[arc[0]]:
+        exact, miss = _commands(f, rows, nominal, guess, row)
         miss = np.maximum.reduceat(miss, begin)
         rest = rest + f.total * SHARE / 8 + 2 * way.steep[which] * miss
     else:
         exact = f.needed(rows, row, t, nominal)
-    place = exact[[first, second]] - centre
+    place = exact[[first, second]] - arcs.centre.take(arc, axis=1).take(row, axis=1)
     radial = unit[0] * place[0] + unit[1] * place[1] - radius
     beside = tuple(k for k in f.machine.corrected if k not in (first, second))
     across = exact[list(beside)]
@@ -177,24 +194,15 @@ def _samples(
 
 
 def _commands(
-    f: Fitter,
-    rows: Rows,
-    t: np.ndarray,
-    nominal: np.ndarray,
-    shift: np.ndarray,
-    row: np.ndarray,
+    f: Fitter, rows: Rows, nominal: np.ndarray, guess: np.ndarray, row: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """(A, N) mm exact commands of nominal places of rows `row` (N,), and (N,) mm by which they
-    were foreseen wrongly.
+    were foreseen wrongly, of `guess` (A, N) mm, which is overwritten.
 
-    Between the ends, whose commands are known, the shift is nearly linear, so one look at the map
-    tells it: looked up beside the true place by d, it is wrong by `steepest` d, and by as much less
-    again after each further look, which are taken where that is too much."""
+    One look at the map where the command was foreseen tells it: looked up beside the true place by
+    d, it is wrong by `steepest` d, and by as much less again after each further look, which are
+    taken where that is too much."""
     machine = f.machine
-    share = (t - rows.t0.take(row)) / (rows.t1 - rows.t0).take(row)
-    guess = (shift[1] - shift[0]).take(row, axis=1)
-    guess *= share
-    guess += shift[0].take(row, axis=1)
     weight = f.weight(rows).take(row, axis=1)
     found = machine.deviation(nominal + guess, weight)
     np.negative(found, out=found)
