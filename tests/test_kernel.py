@@ -281,6 +281,31 @@ def test_arcs_are_cut_the_same(tmp_path, monkeypatch, library, two_way, kind, to
             assert done > 3 * left
 
 
+@needs_compiler
+@SIDES
+def test_arcs_of_two_planes_and_of_more_than_a_turn_by_turns_are_cut_the_same(
+    tmp_path, monkeypatch, library, two_way
+):
+    """Samples of a plane are laid together, of rows that do not stand side by side; those of arcs
+    that are looked at densely, by numpy."""
+    folder = write_mill(tmp_path / "mill", two_way)
+    text = ["G21 G90 G54 F1000"]
+    for seed in range(6):
+        for plane, code in ("XY", "G17"), ("ZX", "G18"), ("YZ", "G19"):
+            text += [f"{code} G0 X100 Y0 Z0", "G2 I5 J0 P2" if plane == "XY" else "G4 P1"]
+            text += Lines(seed, plane).many(4, (1.0, 20.0), (0.2, 6.0)).text[3:]
+    done, left = same(monkeypatch, library, folder, "\n".join([*text, "M2", ""]), tolerance=0.001)
+    assert done > 3 * left
+
+
+@needs_compiler
+def test_where_reversals_fade_arcs_are_looked_at_by_numpy(tmp_path, monkeypatch, library):
+    folder = write_mill(tmp_path / "mill", True)
+    text = str(KINDS["arcs"](1))
+    done, left = same(monkeypatch, library, folder, text, tolerance=0.001, reversal="off")
+    assert left and not done
+
+
 # ---- building ------------------------------------------------------------------------------------
 
 
