@@ -22,9 +22,9 @@ from postproc.diagnose.sets import Found
 LAG, FRICTION, INERTIA = "servo_lag", "viscous_friction", "inertia"
 # 1/s2, stiffness over mass: gains of 10 and 100 1/s, to a drive as stiff as its screw
 STIFF = 1e3, 1e7
-# N and A per m/s2, where the signal does not show it: of 100 kg, moved over a screw of 10 mm by a
-# motor of 1 N m/A (unverified: usual ones)
-MASS = {"N": 100.0, "A": 0.16}
+# where the signal does not show the mass: kg; and 1/s, what a current may be of (a slide of 95 kg:
+# Janot, Gautier, Brunot, EMPS, Nonlinear System Identification Benchmarks 2019)
+MASS, DAMPING = 100.0, 2.0
 
 
 def attributed(search: Search, state: Found, drives: Sequence[Drive]) -> Found:
@@ -50,5 +50,9 @@ def attributed(search: Search, state: Found, drives: Sequence[Drive]) -> Found:
 def _damping(drive: Drive) -> float:
     """1/s, viscous friction over the mass, in a force or a current; 0 where it shows none."""
     of = {f.term.name: f.value for f in drive.fitted if not f.delayed}
-    rubs = of.get(FRICTION, {}).get(f"{drive.unit}_per_m_s", 0.0)
-    return rubs / of.get(INERTIA, {}).get(f"{drive.unit}_per_m_s2", MASS[drive.unit])
+    if FRICTION not in of:
+        return 0.0
+    rubs = of[FRICTION][f"{drive.unit}_per_m_s"]
+    if INERTIA in of:
+        return rubs / of[INERTIA][f"{drive.unit}_per_m_s2"]
+    return rubs / MASS if drive.unit == "N" else DAMPING
