@@ -12,10 +12,6 @@ from postproc.diagnose.block import Block
 ODDS = 8.0  # twice ln(55): of some 60 effects and axes a machine shows one or two
 APART = 7.0  # of two axes, where each shows by itself: one of them leads, or both lag
 AGAIN = 4.0  # of a further jump of the same axis
-# of the square root of the samples, by which their likelihood scatters, beyond what is asked of a
-# member anyway: noise is never quite as it is modelled (of 12 names of 900 cases that this refuses
-# one was right)
-MISFIT, ANYWAY = 0.25, 8.0
 # Further cost, twice the logarithm of how much seldomer it is than its kin (unverified but for the
 # order: an error of the scale, the squareness and lost motion are what ISO 230-2 and 230-4 list
 # first; what differs along the travel or with the direction is lost motion or friction, and more).
@@ -39,12 +35,11 @@ RARE = {
 
 
 def cost_of(block: Block) -> float:
-    """What a block pays for its name, for the shapes that it was chosen from, and where very many
-    samples show it, twice the logarithm."""
+    """What a block pays for its name and for the shapes that it was chosen from, twice the
+    logarithm."""
     again = AGAIN * (len(block.shape) - 1) if block.name == "step_loss" else 0.0
     usual = min(_further(block), 0.0)
-    many = max(MISFIT * math.sqrt(block.shown) - ANYWAY, 0.0)
-    return rarity(block) + usual + 2 * math.log(block.siblings) + again + many
+    return rarity(block) + usual + 2 * math.log(block.siblings) + again
 
 
 def rarity(block: Block) -> float:
