@@ -48,7 +48,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
             found.append({"file": float(f), "last": 0.0, "touched": 1.0})
         lit = np.any(state.channels.get("lit", 1.0) * here > 0)
         runs = np.unique(state.run[here])
-        anew = runs[:-1] if lit and len(runs) <= MOST_RUNS else []
+        anew = runs[:-1] if lit and len(runs) <= MOST_RUNS else runs[:0]
         found += [{"file": float(f), "last": float(k), "touched": 0.0} for k in anew]
     return found
 
