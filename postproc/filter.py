@@ -364,7 +364,7 @@ class Filter:
         if advice == faults.ADVICE_CORNER and self.dialect.language != "fanuc":
             advice = faults.ADVICE_NO_CORNER
         if not self.dialect.carried and any(x.word == "G54" for x in self.dialect.codes):
-            advice = limits.with_zeros(advice, self.setup.offsets)
+            advice = limits.with_zeros(advice, self.setup.offsets, "".join(self.machine.letters))
         error = self._error(words.text[line_start:], fault.message, advice, *columns)
         error.delivered = before
         return error

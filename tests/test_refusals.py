@@ -392,7 +392,7 @@ ZEROS = {"G54": {"X": 0.0, "Z": 0.5}, "T1": {"Z": 3.0}}
 @pytest.mark.parametrize(
     ("offsets", "dialect", "says"),
     [
-        ({}, LATHE, "; no work offset is stated: --offset G54=X0,Y0,Z0 says where the part's zero"),
+        ({}, LATHE, "; no work offset is stated: --offset G54=X0,Z0 says where the part's zero"),
         ({}, "grbl", "; no work offset is stated: "),
         ({}, "marlin", ""),
         (ZEROS, LATHE, "; stated: G54 = X0 Z0.5"),
@@ -410,3 +410,12 @@ def test_a_place_out_of_reach_is_told_with_where_the_zeros_were_said_to_lie(
         filter_.feed(b"G90\nG21\nG0 X20. Z10.\nG1 Z600. F100\n")
     advice = caught.value.advice
     assert advice.startswith(way + says) and (says or advice == way)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["G54", "G59.3", "G54.1 P3", "G505", "G599", "G110", "G129", "G154 P2", "G15 H1", "G247 P1"],
+)
+def test_every_control_s_work_offset_counts_as_stated(name):
+    said = limits.with_zeros(limits.BEYOND_TRAVEL, {name: {"X": 2.0}, "T1": {"Z": 3.0}}, "XZ")
+    assert said == f"{limits.BEYOND_TRAVEL}; stated: {name} = X2"

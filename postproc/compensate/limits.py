@@ -18,7 +18,10 @@ from postproc.machine.tip import TipMachine
 from postproc.motions import COUNTER, FEED, RAPID
 from postproc.units import TICKS_PER_MM, UM, in_mm
 
-WORK_OFFSET = expression(r"G5[4-9](?:\.\d)?(?: ?P\d+)?|G1[15]\d(?: ?P\d+)?")
+# by number, of Haas and Fanuc with P, of Siemens, of Okuma, of Heidenhain
+WORK_OFFSET = expression(
+    r"G5[4-9](?:\.\d)?(?: ?P\d+)?|G1[125]\d(?: ?P\d+)?|G5\d\d|G15 ?H\d+|G247 ?P\d+"
+)
 LOOKS = 9  # places on a motion at which the slides that hold the tip are looked at
 UNKNOWN = (
     "motions left as they are: {0} (feeds: {1}); feeds corrected at their ends alone: {2}; where"
@@ -337,15 +340,16 @@ def check_limits(b: Batch) -> float:
     )
 
 
-def with_zeros(advice: str, offsets: Mapping[str, Mapping[str, float]]) -> str:
+def with_zeros(advice: str, offsets: Mapping[str, Mapping[str, float]], axes: str) -> str:
     """The way out of a place that is out of reach, with where zeros were said to lie. offsets: mm,
-    by name and axis."""
+    by name and axis; axes: letters that the machine has."""
     if advice not in (BEYOND_TABLE, BEYOND_TRAVEL):
         return advice
     work = {name: place for name, place in offsets.items() if WORK_OFFSET.fullmatch(name)}
     if not work:
+        place = ",".join(f"{x}0" for x in "XYZ" if x in axes)
         return (
-            f"{advice}; no work offset is stated: --offset G54=X0,Y0,Z0 says where the part's zero"
+            f"{advice}; no work offset is stated: --offset G54={place} says where the part's zero"
             " lies on the machine"
         )
     said = [
