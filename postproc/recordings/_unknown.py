@@ -15,6 +15,8 @@ OTHERS = (
     (b"\xd0\xcf\x11\xe0", b"", "a workbook of an old kind (.xls)"),
     (b"%PDF", b"", "a PDF"),
 )
+ERRORS = re.compile(r"E[XYZABC][XYZABC](?:_um|_urad)?(?:_fwd|_rev)?")  # of a machine's own table
+TIME = re.compile(r"t|t_s|(?:time|zeit|date|datum|stamp)\b.*|timestamp.*", re.I)
 OWN = re.compile(r"(?:reading_um|reading_urad|radial_um|[XYZABC]_(?:cmd_)?(?:mm|deg))")
 
 
@@ -37,8 +39,15 @@ def fault(source: Source, formats: list[str]) -> RecordingError:
 
 
 def _near_own(source: Source, content: str) -> RecordingError | None:
-    """Of gcomp's own format, with its head changed or gone."""
+    """Of gcomp's own formats: a recording with its head changed or gone, a table of errors."""
     lines = text.lines_of(content)
+    names = [name.strip() for name in re.split(r"[,;\t]", lines[0])]
+    if errors := [name for name in names if ERRORS.fullmatch(name)]:
+        return source.fault(
+            1,
+            f"a table of a machine's errors ({', '.join(errors[:6])}), and no recording",
+            "gcomp machines show FOLDER draws it; a recording is what an instrument has read",
+        )
     for number, line in enumerate(lines[:200], 1):
         if contract.FORMAT in line:
             if source.data.startswith(tuple(text.BOMS)):
@@ -51,7 +60,6 @@ def _near_own(source: Source, content: str) -> RecordingError | None:
                 f'it begins with # format = "{contract.FORMAT}", as UTF-8, and each of its lines'
                 " with #: no quotes around a line, no cells behind it",
             )
-    names = [name.strip() for name in re.split(r"[,;\t]", lines[0])]
     own = [name for name in names if OWN.fullmatch(name)]
     if len(own) < 2:
         return None
@@ -67,6 +75,8 @@ def _a_sheet(source: Source, content: str) -> RecordingError | None:
     """A table of targets and readings whose headings leave the directions open."""
     sheet = _sheet.find(source, text.table(source, content))
     if len(sheet.columns) < 2 or len(sheet.rows) < 2:
+        return None
+    if any(TIME.fullmatch(title) for title in sheet.headings):  # the log of something
         return None
     titles = ", ".join(column.title for column in sheet.columns[:6])
     return source.fault(

@@ -257,3 +257,22 @@ def test_a_run_that_no_column_names_is_not_left_out_in_silence():
     named["reverse1_um"] = "Run 2"
     (recording,) = read_all(source("a.csv", RUNS), options=ReadingOptions(columns=named))
     assert len(recording) == 4 and not any("--column" in n for n in recording.notices)
+
+
+@pytest.mark.parametrize(
+    ("data", "says"),
+    [
+        ("time,position,current\n0,1,2\n1,2,3\n2,3,4\n", "no recording that gcomp knows"),
+        ("t;x;y\n0;1;2\n1;2;3\n2;3;4\n", "no recording that gcomp knows"),
+        (
+            "X_mm,EXX_um_fwd,EXX_um_rev,EYX_um\n0,1,2,0\n20,2,3,0\n",
+            "errors (EXX_um_fwd, EXX_um_rev",
+        ),
+        ("X_mm,Y_mm,EXX_um\n0,0,2\n20,0,3\n", "a table of a machine's errors (EXX_um)"),
+    ],
+)
+def test_what_is_no_recording_is_not_called_a_sheet_of_one(data, says):
+    """The log of a drive, and a machine's own table, whose headings do name directions."""
+    with pytest.raises(GcompError) as caught:
+        read_all(source("a.csv", data))
+    assert says in caught.value.message and "--layout" not in caught.value.advice
