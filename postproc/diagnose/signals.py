@@ -28,7 +28,9 @@ STAMP = 1.1e-3  # s: by how much a time that was written with three decimals may
 SMOOTH = 0.02  # s
 FAR = 1e6  # mm and s: unknown when an axis turned back last
 FACES = ("gauge", "probe", "indicator", "dial")  # read from face to face
-TOUCHING = (*FACES, "comparator", "micrometer", "coordinate measuring")
+TOUCHING = (*FACES, "comparator", "micrometer", "coordinate measuring", "scale", "encoder")
+# reads by a beam, whatever else its name holds: a laser gauge, a laser with a probe for the air
+LIGHT = ("laser", "interferometer")
 INSIDE = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 MATERIAL = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 
@@ -102,7 +104,8 @@ def _targets(recording: Recording, machine: Machine) -> Iterator[Signal]:
 
 def _reads(recording: Recording, words: tuple[str, ...]) -> bool:
     """Whether its instrument is of this kind; where nobody wrote down what it was, of none."""
-    return any(word in recording.instrument.lower() for word in words)
+    name = recording.instrument.lower()
+    return any(word in name for word in words) and not any(word in name for word in LIGHT)
 
 
 def _overrun(recording: Recording) -> np.ndarray:

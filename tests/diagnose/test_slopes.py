@@ -36,17 +36,28 @@ def targets(instrument: str) -> recordings.Recording:
 
 @pytest.mark.parametrize(
     "instrument, lit",
-    [("laser interferometer", 1.0), ("", 1.0), ("in-process gauge", 0.0), ("dial gauge", 0.0)],
+    [
+        ("laser interferometer", 1.0),
+        ("laser gauge", 1.0),
+        ("XL-80 laser, air probe", 1.0),
+        ("", 1.0),
+        ("in-process gauge", 0.0),
+        ("dial gauge", 0.0),
+        ("glass scale", 0.0),
+        ("grid encoder", 0.0),
+    ],
 )
 def test_only_light_knows_of_air(instrument, lit):
     """Whatever reads a length may lie askew; of light alone air tells."""
     (_, columns), *_ = signals_of(targets(instrument), read_machine(Path(STUDER)))
     assert columns["beam"].max() == 350.0 and set(columns["channel lit"]) == {lit}
-    flags = {"lit": np.full(12, lit), "faces": np.full(12, 1.0 - lit)}
+    faces = float("gauge" in instrument) * (1.0 - lit)  # a scale has none
+    assert set(columns["channel faces"]) == {faces}
+    flags = {"lit": np.full(12, lit), "faces": np.full(12, faces)}
     read = replace(state(**flags), run=np.ones(12))
     assert laser_air.light(read).max() == 500.0 * lit
     ways = {(s["file"], s["touched"]) for s in cosine.shapes(read, "Z")}
-    assert ways == {(f, 0.0) for f in (-1.0, 0.0, 1.0)} | {(f, 1.0) for f in (0.0, 1.0) if not lit}
+    assert ways == {(f, 0.0) for f in (-1.0, 0.0, 1.0)} | {(f, 1.0) for f in (0.0, 1.0) if faces}
 
 
 def state(**channels: np.ndarray) -> State:
