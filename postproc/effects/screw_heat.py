@@ -9,7 +9,7 @@ it in a pause between two readings: then heat comes in that pause.
 import numpy as np
 
 from postproc.effects import State, along, first_timed, sampled, temperature_rise
-from postproc.effects.structure_drift import SHORTEST
+from postproc.effects.structure_drift import QUICKEST
 
 PARAMETERS = {
     "alpha_ppm_K": "um/(m K), expansion by the recorded temperature; 0 where none is recorded",
@@ -100,7 +100,7 @@ def _lasts(state: State, by_travel: float) -> bool:
     """Whether heat can have come: with the travel of one recording, or with time over them all."""
     own = [state.time[state.file == f] for f in np.unique(state.file)] if by_travel else []
     span = max((float(np.ptp(t)) for t in own or [state.time]), default=0.0)
-    return not 0 < span < SHORTEST
+    return not 0 < span <= QUICKEST
 
 
 def _rests(state: State) -> list[dict[str, float]]:

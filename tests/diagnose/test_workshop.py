@@ -221,3 +221,22 @@ def test_a_step_gauge_that_stands_askew(tmp_path, both):
     found = names(answer)["cosine:X"]
     assert found["ppm"]["value"] == pytest.approx(-15.0, abs=2.0)
     assert (found["file"]["value"], found["touched"]["value"]) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize("seconds", [240.0, 280.0])
+def test_a_screw_gets_warm_within_a_test_of_some_minutes(tmp_path, seconds):
+    """100 ppm with a time constant of 10 minutes, of which a few minutes show a third: not 170 ppm
+    that went when the axis was run no longer."""
+
+    def warm(p, side, t):
+        return 100e-3 * (p - 20) * (1 - np.exp(-t * seconds / 324 / 600))
+
+    text = gauge(warm, scatter_um=0.3, step_um=0.1)
+    head, rows = text.rsplit("reading_um\n", 1)
+    cells = [row.split(",") for row in rows.split()]
+    quick = [",".join([c[0], f"{float(c[1]) * seconds / 324:g}", *c[2:]]) for c in cells]
+    text = head + "reading_um\n" + "\n".join(quick) + "\n"
+    found = names(diagnosed(tmp_path, text.replace("dial gauge, 0.01 mm", "glass scale")))
+    assert list(found) == ["screw_heat:X"]
+    assert found["screw_heat:X"]["until_s"]["value"] == 0.0
+    assert found["screw_heat:X"]["grown_ppm"]["value"] == pytest.approx(100.0, rel=0.15)
