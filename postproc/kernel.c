@@ -247,7 +247,6 @@ static Proof proven(const Work *w, whole r, const Run *run)
         for (int k = 0; k < 2; k++)
             place[e][k] = (double)run->tick[e][k] / TICKS - w->centre[k * R + r];
     fit(w, r, run, place, drawn);
-    for (int k = 0; k < 2; k++) p.centre[k] = (whole)rint((drawn[k] - place[0][k]) * TICKS);
     for (int e = 0; e < 2; e++) {
         for (int k = 0; k < 2; k++) away[e][k] = place[e][k] - drawn[k];
         radius[e] = sqrt(away[e][0] * away[e][0] + away[e][1] * away[e][1]);
@@ -266,6 +265,9 @@ static Proof proven(const Work *w, whole r, const Run *run)
     const double all = farthest(w, r, run, drawn, radius[0], radius[1] - radius[0], &p.good);
     p.excess = sqrt(all) / larger(w->limit[r], EXACT);
     p.good &= p.excess <= 1.0;
+    /* of what will not do it may lie beyond all ticks */
+    for (int k = 0; k < 2 && p.good; k++)
+        p.centre[k] = (whole)rint((drawn[k] - place[0][k]) * TICKS);
     /* Flat ones have one candidate more, or become chords: more of them, by r s^2 / 8. */
     const double coarse = larger((double)w->grid[r], (double)w->grid[R + r]) / TICKS;
     const double bow = w->radius[r] * sweep * sweep / 8;

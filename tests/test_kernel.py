@@ -23,7 +23,7 @@ from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.machine.tables import AxisTable
 from postproc.nc import dialects
-from postproc.records import names
+from postproc.records import names, replace
 from tests.small_machines import write_mill
 
 COMPILER = shlex.split(os.environ.get("CC", "cc"))[0]
@@ -83,6 +83,19 @@ def test_a_table_has_the_same_bits(monkeypatch, library, nodes, stride):
         for one, other in zip(plain, table.evaluate(position, approach, along), strict=True):
             assert (one is None and other is None) or one.tobytes() == other.tobytes()
     assert bool(seen) == (nodes is not NODES["uneven"])
+
+
+@needs_compiler
+@pytest.mark.parametrize("kind", [np.int64, np.int32, np.float32])
+def test_places_of_any_kind_of_number_are_looked_up(monkeypatch, library, kind):
+    rng = np.random.default_rng(1)
+    places = rng.uniform(-9, 49, 200).astype(kind)
+    table = AxisTable("X", NODES["even"], *rng.normal(size=(2, 6, len(NODES["even"]))))
+    use(monkeypatch, None)
+    plain = table.evaluate(places, np.ones(200))
+    use(monkeypatch, library)
+    for one, other in zip(plain, table.evaluate(places, np.ones(200)), strict=True):
+        assert one.tobytes() == other.tobytes()
 
 
 # ---- arcs ----------------------------------------------------------------------------------------
@@ -304,6 +317,21 @@ def test_where_reversals_fade_arcs_are_looked_at_by_numpy(tmp_path, monkeypatch,
     text = str(KINDS["arcs"](1))
     done, left = same(monkeypatch, library, folder, text, tolerance=0.001, reversal="off")
     assert left and not done
+
+
+@needs_compiler
+def test_a_computer_that_numbers_by_32_bits_cuts_them_the_same(tmp_path, monkeypatch, library):
+    folder = write_mill(tmp_path / "mill", False)
+    text, tried = str(KINDS["arcs"](1)), compiled.settle
+    plain = settled(monkeypatch, None, folder, text)[0]
+
+    def narrow(f, rows, samples):
+        numbers = {name: getattr(samples, name).astype(np.int32) for name in ("begin", "last")}
+        return tried(f, rows, replace(samples, **numbers))
+
+    monkeypatch.setattr(compiled, "settle", narrow)
+    out, _, (done, _) = settled(monkeypatch, library, folder, text)
+    assert done and out == plain
 
 
 # ---- building ------------------------------------------------------------------------------------

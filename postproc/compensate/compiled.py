@@ -26,6 +26,8 @@ COLUMNS = (
     *("first", "last", "begin", "end", "zero", "step", "base", "grid", "t0", "t1", "centre"),
     *("radius", "grown", "sweep", "limit", "plane", "own"),
 )
+# int64 there, whatever a computer of 32 bits numbers its samples by; the others are float64
+WHOLE = {"axes", "first", "last", "begin", "end", "zero", "step", "base", "grid"}
 NUMBERS = ("mismatch", "smallest", "flat", "followed")
 RESULTS = ("count", "low", "high", "found")
 NONE = 9.0  # rad: more than the kernel takes
@@ -50,7 +52,8 @@ def settle(f: Fitter, rows: Rows, samples: Samples) -> tuple[list[Rows], np.ndar
         return [], np.arange(len(rows))
     n = len(rows)
     columns = {
-        name: np.ascontiguousarray(value) for name, value in _columns(f, rows, samples).items()
+        name: np.ascontiguousarray(value, np.int64 if name in WHOLE else np.float64)
+        for name, value in _columns(f, rows, samples).items()
     }
     results = {
         "count": np.empty(n, np.int64),

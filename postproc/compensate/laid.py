@@ -47,7 +47,10 @@ def laid(
         *(arcs.centre.take(arc, axis=1), start, f.target.take(arc, axis=1) - start),
         *(way.shift.take(which, axis=2), np.empty(n)),
     )
-    columns = tuple(map(np.ascontiguousarray, columns))
+    columns = tuple(
+        np.ascontiguousarray(column, np.int64 if column.dtype.kind in "iu" else np.float64)
+        for column in columns
+    )
     results = (
         *(np.empty(n), np.empty(n), np.empty((2, n)), np.empty(n)),
         *(np.empty(shape), np.empty(shape)),

@@ -137,7 +137,7 @@ class AxisTable(BothWays):
         of each, and behind them of the half of those that were measured both ways; and component to
         the row of its half."""
         both = [i for i in rows if np.any(self.half[i])]
-        value = np.concatenate([self.mean[rows], self.half[both]])
+        value = np.concatenate([self.mean[rows], self.half[both]], dtype=np.float64)
         half = {i: len(rows) + k for k, i in enumerate(both)}
         return rows, value[:, :-1].copy(), np.diff(value).copy(), half
 
@@ -229,7 +229,8 @@ class AxisTable(BothWays):
             value *= share
             value += base.take(interval, axis=1)
             return value
-        position, value = np.ascontiguousarray(position), np.empty((len(base), len(position)))
+        position = np.ascontiguousarray(position, np.float64)  # C takes any number for one of these
+        value = np.empty((len(base), len(position)))
         nodes, width = self._intervals
         library.look(
             *(ctypes.c_int64(len(position)), ctypes.c_void_p(position.ctypes.data)),
@@ -248,7 +249,8 @@ class AxisTable(BothWays):
     @cached_property
     def _intervals(self) -> tuple[np.ndarray, np.ndarray]:
         """The nodes and the intervals' widths, mm, each in one piece."""
-        return np.ascontiguousarray(self.nodes), np.diff(self.nodes)
+        nodes = np.ascontiguousarray(self.nodes, np.float64)
+        return nodes, np.diff(nodes)
 
     @cached_property
     def _cells(self) -> Cells:
