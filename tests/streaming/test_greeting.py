@@ -243,7 +243,7 @@ class Unplugged:
 
 @pytest.mark.parametrize(
     ("talk", "says"),
-    [(Greeting("auto"), "; nothing that moves it was sent"), (Order(Grbl(), HOME, [], None), "")],
+    [(Greeting("auto"), " nothing that moves it was sent"), (Order(Grbl(), HOME, [], None), "")],
 )
 def test_a_cable_that_is_pulled_before_the_job_leaves_no_doubt_that_nothing_moved(talk, says):
     with pytest.raises(UsageError, match="/dev/ttyUSB0 was closed: the device is gone") as caught:

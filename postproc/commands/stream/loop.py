@@ -80,7 +80,7 @@ def carry(port: Port, talk: Greeting | Order, longest: float = math.inf) -> None
                     f"the controller has not finished within {longest:g} s", "look at the machine"
                 )
     except Lost as error:
-        still = "; nothing that moves it was sent" * isinstance(talk, Greeting)
+        still = " nothing that moves it was sent" * isinstance(talk, Greeting)
         raise UsageError(
             f"the port {port.url} was closed: {error}",
             f"is the controller still plugged in?{still}",
