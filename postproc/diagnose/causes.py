@@ -20,8 +20,9 @@ from postproc.diagnose.search import Search
 from postproc.diagnose.sets import Found
 
 LAG, FRICTION, INERTIA = "servo_lag", "viscous_friction", "inertia"
-# 1/s2, stiffness over mass: gains of 10 and 100 1/s, to a drive as stiff as its screw
-STIFF = 1e3, 1e7
+# 1/s2, stiffness over mass: gains of 50 and 200 1/s, to a drive as stiff as its screw; with lower
+# gains the loop itself lags by more
+STIFF = 1e4, 1e7
 # where the signal does not show the mass: kg; and 1/s, what a current may be of (a slide of 95 kg:
 # Janot, Gautier, Brunot, EMPS, Nonlinear System Identification Benchmarks 2019)
 MASS, DAMPING = 100.0, 2.0

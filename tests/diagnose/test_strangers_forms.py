@@ -402,3 +402,17 @@ def test_noise_of_many_periods_is_no_effect(tmp_path, size_um, seed):
     head = HEAD.format("trace", "grid encoder") + '# sees = "tool"\n'
     head += "run,t_s,X_cmd_mm,Y_cmd_mm,X_act_mm,Y_act_mm\n"
     assert not names(diagnosed(tmp_path, head + "\n".join(rows) + "\n"))
+
+
+@pytest.mark.parametrize("width_s, at_s", [(0.3, 13.3), (1.0, 8.1)])
+def test_an_excursion_is_no_wander_of_a_zero(tmp_path, width_s, at_s):
+    """8 um, once, over noise of 0.3 um: nobody knows what it was, and something was there."""
+    rng = np.random.default_rng(1)
+    t = np.arange(0, 30, 0.01)
+    x = 300 + 100 * np.sin(2 * np.pi * t / 6)
+    off = 8.0 * np.exp(-(((t - at_s) / width_s) ** 2)) + 0.3 * rng.normal(size=len(t))
+    rows = [f"1,{a:.2f},{b:.5f},{b + e * 1e-3:.6f}" for a, b, e in zip(t, x, off, strict=True)]
+    head = HEAD.format("trace", "grid encoder") + '# sees = "tool"\n'
+    text = head + "run,t_s,X_cmd_mm,X_act_mm\n" + "\n".join(rows) + "\n"
+    answer = diagnosed(tmp_path, text)
+    assert answer["verdict"] == "unknown" and not names(answer)
