@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pytest
+from fuzz.cases import Case
+from fuzz.laws import broken
 
 from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
@@ -114,3 +116,29 @@ def test_g33_1_goes_to_its_words_in_every_plane(high, plane, cut):
 def test_g33_1_along_x(high):
     text = "G21 G19 G90|M3 S500|G0 X1. Y1. Z5.|G33.1 X-5. K1.|G0 Z6.|M2"
     assert sent(high, text, "linuxcnc")[3:5] == ["G33.1 X-5. K1.", "G0 Z5.9940"]
+
+
+HOLES = {
+    "the initial level": "X40. Y40. Z5.|G98 {} X20. Y-10. Z-5. R3.|G80|G0 X20. Y20.",
+    "a feed behind it": "X120. Y10. Z5.|G98 {} X0. Y-10. Z-5. R3.|G80|G1 X160. Y20.",
+    "from above": "X40. Y40. Z12.|Z5.|G98 {} X20. Y-10. Z-5. R3.|G80|G0 X20. Y20.",
+    "R": "X60. Y-10. Z5.|G99 {} X20. Y10. Z-5. R3.|G80|G0 X140. Y-30.",
+    "several": "X10. Y0. Z5.|G98 {} X150. Y40. Z-5. R3.|X20.|X80. Y-30.|X199.|G80|G0 X100.",
+    "R at last": "X60. Y-10. Z5.|G98 {} X20. Y10. Z-5. R3.|G99 X80. Y-30.|G80|G0 X140.",
+    "R before": "X40. Y40. Z5.|G99 {} X20. Y-10. Z-5. R3.|X20.|G98 X80. Y-30.|G80|G0 X20. Y20.",
+    "at R again": "X60. Y-10. Z5.|G99 {} X20. Y10. Z-5. R3.|G80|G98 {} X20. Y-20. Z-8. R2.|G80"
+    "|G0 X140. Y-30.",
+}
+
+
+@pytest.mark.parametrize("dialect", ["linuxcnc", "fanuc-mill", "haas", "grblhal"])
+@pytest.mark.parametrize("block", HOLES.values(), ids=HOLES)
+@pytest.mark.parametrize("code", ["G81", "G73 Q1."])
+def test_behind_holes_z_bears_as_the_way_from_where_the_control_goes_back_to_leads_it(
+    dialect, block, code
+):
+    """The control goes back to the command before the cycle, which was corrected for another place
+    and another side, or to R as written. Taken as corrected there, Z was 4 um of play off behind
+    each of these. Whole, line by line, and replayed."""
+    text = f"G21 G17 G90 F100|M3 S500|G0 {block.format(code, code)}|G1 Z-5.|"
+    assert broken(Case(text.replace("|", "\n").encode(), dialect, "two-way")) == ""

@@ -178,10 +178,27 @@ class Compensator(Settings):
         self, motions: Motions, carry: Carry, span: tuple[float, float] = WHOLE
     ) -> tuple[Pieces, Carry, list[Notice]]:
         """span: from where to where in t, of one motion."""
+        if self.follows and len(cuts := _before_holes(motions)):
+            return self._in_parts(motions, carry, cuts)
         b = self._worked_out(motions, carry, span)
         if self.options.passes_unknown and limits.at_stop(b).any():
             return self._with_stops(motions, carry, span)
         return self._finished(b, carry)
+
+    def _in_parts(
+        self, motions: Motions, carry: Carry, cuts: np.ndarray
+    ) -> tuple[Pieces, Carry, list[Notice]]:
+        """The same, one part after the other."""
+        parts, notices = [], []
+        for first, stop in pairwise([0, *cuts.tolist(), len(motions)]):
+            try:
+                pieces, carry, more = self._run(motions.part(first, stop), carry)
+            except MotionFault as fault:
+                fault.motion += first
+                raise
+            parts.append(_counted_on(pieces, first, motions))
+            notices += [replace(n, line=n.line + first) for n in more]
+        return joined(parts), carry, notices
 
     def _with_stops(
         self, motions: Motions, carry: Carry, span: tuple[float, float]
@@ -248,6 +265,15 @@ OF_LINES = (
     Batch.strokes, limits.check_inside, Batch.approach, Batch.ends, Batch.starts,
     Batch.settle_ends, Batch.lead_beyond,
 )  # fmt: skip
+
+
+def _before_holes(motions: Motions) -> np.ndarray:
+    """Motions at which holes begin behind others, or along another axis: their axis goes back to
+    the command before them, which is known to the digit only once that is written."""
+    holes = motions.holes
+    begins = np.ones(len(holes), bool)
+    begins[1:] = (np.diff(holes.motion) > 1) | (np.diff(holes.axis) != 0)
+    return holes.motion[begins & (holes.motion > 0)]
 
 
 def _heat_rows(heat: np.ndarray) -> list[np.ndarray]:

@@ -15,6 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
+from postproc.compensate import levels
 from postproc.compensate.approach import Sides, bear, hold_last, ramp
 from postproc.compensate.columns import Columns
 from postproc.compensate.cutter import commands
@@ -145,22 +146,29 @@ class Course:
             begin[:, here] = self._without_play(led, first)
         end = self._without_play(side, exact)
         if len(b.hole):
-            self._up(at, side, end)
+            self._up(at, side, exact, end)
         return exact, begin, end
 
-    def _up(self, at: np.ndarray, side: np.ndarray, end: np.ndarray) -> None:
-        """Behind a hole its axis stands above it, not where the middle of the hole is, for which
-        the others are corrected: in `end` (T, K) of strokes `at` (K,) for sides (T, K)."""
+    @cached_property
+    def back(self) -> np.ndarray:
+        """(S,) mm commanded of the axis of each hole behind it."""
+        back = np.zeros(len(self.b.motion))
+        back[self.b.hole] = levels.back(self.b) / TICKS_PER_MM
+        return back
+
+    def _up(self, at: np.ndarray, side: np.ndarray, exact: np.ndarray, end: np.ndarray) -> None:
+        """Behind a hole its axis stands where the control goes back to, for which nothing corrects
+        it: in `end` (T, K) of strokes `at` (K,) for sides (T, K) with commands `exact` (A, K)."""
         b, holes = self.b, self.b.m.holes
         own = np.zeros(b.travel.shape, bool)
         own[holes.axis, b.hole] = True
         own = (own & b.moved).take(self.rows, axis=0).take(at, axis=1)
         up = own.any(axis=0).nonzero()[0]
         if len(up):
-            there, led = at.take(up), side.take(up, axis=1)
-            nominal, weight = b.end_nominal.take(there, axis=1), self.spread(led)
-            above = self._without_play(led, commands(b, there, b.t1.take(there), nominal, weight))
-            end[:, up] = np.where(own.take(up, axis=1), above, end.take(up, axis=1))
+            own, place = own.take(up, axis=1), exact.take(up, axis=1)
+            place[self.rows] = np.where(own, self.back[at.take(up)], place[self.rows])
+            above = self._without_play(side.take(up, axis=1), place)
+            end[:, up] = np.where(own, above, end.take(up, axis=1))
 
     def _without_play(self, side: np.ndarray, exact: np.ndarray) -> np.ndarray:
         play = self.b.machine.lost_motion(exact, self.rows)
