@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from fuzz.cases import Case
-from fuzz.laws import broken
+from fuzz.cases import Case, filter_of
+from fuzz.laws import broken, outcome
 
 from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
@@ -142,3 +142,21 @@ def test_behind_holes_z_bears_as_the_way_from_where_the_control_goes_back_to_lea
     each of these. Whole, line by line, and replayed."""
     text = f"G21 G17 G90 F100|M3 S500|G0 {block.format(code, code)}|G1 Z-5.|"
     assert broken(Case(text.replace("|", "\n").encode(), dialect, "two-way")) == ""
+
+
+# blocks with a G33.1, and the line at which they are refused
+TAPS = {
+    "G33.1 Z-3. K1.|G19|X0": 6,
+    "G33.1 Z-3. K1.|G19 X0": 5,
+    "G33.1 Z-3. K1.|G18|X0|Z-4.": 6,
+    "G19 G33.1 X-3. K1.|Z-4.": 5,
+}
+
+
+@pytest.mark.parametrize("blocks", TAPS)
+def test_g33_1_keeps_its_axis_until_it_is_called_again(blocks):
+    """Another plane does not turn it: refused alike, whole, line by line and byte by byte."""
+    text = f"G21 G17 G90|M3 S500|G0 X0 Y0 Z5.|{blocks}|M2|".replace("|", "\n").encode()
+    case = Case(text, "linuxcnc")
+    assert broken(case) == ""
+    assert outcome(filter_of(case), [text])[1].startswith(f"program:{TAPS[blocks]}:")

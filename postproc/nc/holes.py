@@ -49,12 +49,15 @@ def _axis_of(b: Batch, first: int, motion: np.ndarray, planes: np.ndarray) -> tu
     """The axis along which is drilled, and whether the cycle's code says it. first: its block."""
     if letter := b.dialect.hole_axis.get(int(motion[first]), ""):
         return letter, True
-    there_and_back = b.dialect.there_and_back[np.maximum(motion, 0)] & (motion >= 0)
-    if there_and_back[b.words.block[words_of(b, "Z")]].any():
-        return "Z", False  # it goes to its words, whatever the plane: G18 is a lathe's
     cycle = b.state.cycle
     if cycle is not None and not _called(b, first):  # it goes on
         return cycle.letter, False
+    there_and_back = b.dialect.there_and_back[np.maximum(motion, 0)] & (motion >= 0)
+    named = (there_and_back & b.has_axis & ~b.taken).nonzero()[0]
+    if len(named):
+        first = int(named[0])
+        if (b.words.block[words_of(b, "Z")] == first).any():
+            return "Z", False  # it goes to its words, whatever the plane: G18 is a lathe's
     return ACROSS.get(int(planes[first]), ""), False
 
 
@@ -76,11 +79,12 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
         )
         return None
     row = b.rows[letter]
-    if cycle is None or cycle.letter != letter:
+    taps = b.dialect.there_and_back[np.maximum(motion, 0)[mask]].any()
+    if cycle is None or cycle.letter != letter or taps:
         initial, known = int(b.state.position[row]), bool(b.state.known[row])
         cycle = Cycle(letter, initial=initial, known=known)
     absolute = np.broadcast_to(b.held("distance"), b.n) != 910
-    if b.dialect.there_and_back[np.maximum(motion, 0)[mask]].any():
+    if taps:
         return _there_and_back(b, mask, motion, letter, cycle, absolute, axis_words)
     absolute_word, increment = axis_words[letter]
     depth = np.sort(np.concatenate([absolute_word, increment]))
@@ -156,6 +160,9 @@ def _there_and_back(
     place = place[mask[b.words.block[place]]]
     word = word_column(b, place)
     holes = (mask & b.has_axis & ~b.taken).nonzero()[0]
+    goes_on = b.state.cycle is not None and not _called(b, int(np.argmax(mask)))
+    led = mask[-1] and (goes_on or len(holes) > 0)  # else the next words say its axis
+    after = Cycle(letter, initial=cycle.initial, known=cycle.known) if led else None
     level = np.full(b.n, cycle.initial, np.int64)
     zero = np.where(absolute, np.broadcast_to(b.offset[row], b.n), level)
     scale = np.broadcast_to(b.unit_scale(letter)[0] // b.halves(letter), b.n)
@@ -166,7 +173,7 @@ def _there_and_back(
     return InCycle(
         letter=letter, row=row, mask=mask, blocks=holes, target=level[holes], bottom=bottom[holes],
         level=level[holes], zero=zero[holes], word=word[holes], initial=np.ones(len(holes), bool),
-        code=motion[holes], known=cycle.known, after=None,
+        code=motion[holes], known=cycle.known, after=after,
     )  # fmt: skip
 
 
