@@ -160,3 +160,14 @@ def test_g33_1_keeps_its_axis_until_it_is_called_again(blocks):
     case = Case(text, "linuxcnc")
     assert broken(case) == ""
     assert outcome(filter_of(case), [text])[1].startswith(f"program:{TAPS[blocks]}:")
+
+
+@pytest.mark.parametrize("dialect", ["linuxcnc", "fanuc-mill", "haas", "grblhal"])
+@pytest.mark.parametrize("block", ["G91 X5.", "G91|X5.", "G91 G81 X5."])
+def test_a_hole_in_g91_of_words_in_g90_is_refused_in_any_cut(dialect, block):
+    """Whether Z and R count as distances now is not said. Line by line, and where the code stands
+    in the block, they were taken as places (33 um left)."""
+    text = f"G21 G17 G90 F100|M3 S500|G0 X90. Y0. Z5.|G98 G81 X50. Z-5. R3.|{block}|G80|"
+    case = Case(text.replace("|", "\n").encode(), dialect)
+    assert broken(case) == ""
+    assert "a cycle that returns to R under G91" in outcome(filter_of(case), [case.text])[1]

@@ -127,14 +127,18 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
         b.blame(holes[(back & named & (cycle.initial < level))[holes]], SUNK, SUNK_ADVICE)
         flush = (named & absolute & (cycle.initial == level))[holes]
     own = word_column(b, level_word)
-    mixed = holes[(~absolute != ~absolute[holes[0]])[holes]] if len(holes) else holes
+    first = int(np.argmax(mask))
+    begun = None if absolute[first] and _called(b, first) else cycle.absolute
+    if begun is None and len(holes):
+        begun = bool(absolute[holes[0]])
+    mixed = holes[absolute[holes] != begun]
     relative = holes[~absolute[holes] & ~initial[holes]]
     b.blame(np.concatenate([mixed, relative]), "a cycle that returns to R under G91", _way_out(b))
     after = None
     if mask[-1]:  # it goes on in the next batch
         held = int(level[-1]) if has_level[-1] else None
         deep = int(bottom[-1]) if has_bottom[-1] else None
-        after = Cycle(letter, held, deep, cycle.initial, cycle.known, stored)
+        after = Cycle(letter, held, deep, cycle.initial, cycle.known, stored, begun)
     return InCycle(
         letter=letter, row=row, mask=mask, blocks=holes,
         target=np.where(initial, cycle.initial, level)[holes], bottom=bottom[holes],

@@ -97,7 +97,8 @@ def no_frame(axes: int) -> Frame:
 class Cycle:
     """What a canned cycle keeps from block to block: the axis that drills, where R and the bottom
     lie on it (ticks, machine coordinates, None: never said), the initial level, whether that is
-    known, and the letter whose 0 has stored words for the next hole."""
+    known, the letter whose 0 has stored words for the next hole, and whether its first hole was in
+    G90 (None: there was none)."""
 
     letter: str
     level: int | None = None
@@ -105,6 +106,7 @@ class Cycle:
     initial: int = 0
     known: bool = False
     stored: str = ""
+    absolute: bool | None = None
 
 
 @record
