@@ -47,6 +47,17 @@ def test_r_where_the_tool_stands_goes_down_with_it(high, dialect, cut):
     assert [x.split("R")[1].split()[0] for x in lines if "R" in x] == ["2.9940"] * 3
 
 
+@pytest.mark.parametrize("cut", range(4, 8))
+def test_r_goes_down_with_the_tool_only_where_the_tool_stands_at_it(high, cut):
+    """Behind a hole that ended at R2. it stands there: R3., the level before the cycle, is higher
+    and stays (it became R2.). Where G98 goes back to then is not said."""
+    text = HEAD + "G99 G81 X1. Y1. Z-5. R2. F100|{}X2. R3.|G80|M30"
+    lines = sent(high, text.format(""), "fanuc-mill", cut)
+    assert [x.split("R")[1].split()[0] for x in lines if "R" in x] == ["2.", "3."]
+    with pytest.raises(ProgramError, match=":6: a cycle in G98 whose R lies above the level"):
+        sent(high, text.format("G98 "), "fanuc-mill", cut)
+
+
 @pytest.mark.parametrize("level", ["2.", "3.0001"])
 def test_another_r_stays_as_written(high, level):
     if float(level) > 3:

@@ -274,12 +274,16 @@ def _blame(
     )
 
 
-def holes_of(b: Batch, cycle: InCycle | None, block: np.ndarray) -> Holes:
-    """The holes among the motions whose blocks these are."""
+def holes_of(b: Batch, cycle: InCycle | None, block: np.ndarray, start: np.ndarray) -> Holes:
+    """The holes among the motions whose blocks these are. start (A, N): ticks, where they begin."""
     if cycle is None or not len(cycle.blocks):
         return no_holes()
     motion, code = np.searchsorted(block, cycle.blocks), cycle.code
     flush = np.zeros(len(motion), bool) if cycle.flush is None else cycle.flush
+    away = flush & (start[cycle.row, motion] != cycle.level)  # it stands at another R
+    flush = flush & ~away
+    back = np.broadcast_to(b.held("return"), b.n)[cycle.blocks] != 990
+    b.blame(cycle.blocks[away & back], SUNK, SUNK_ADVICE)  # its correction may make it so
     level_word = np.full(len(motion), -1) if cycle.level_word is None else cycle.level_word
     return Holes(
         motion=motion, axis=np.full(len(motion), cycle.row), bottom=cycle.bottom, level=cycle.level,

@@ -336,6 +336,7 @@ def columns(
     whole, lead = thread_columns(b, block, code, motion, feed[block])
     length = np.empty((len(b.rows), len(block)), np.int64)
     length[:] = b.frame.length[:, None]
+    holes = holes_of(b, b.cycle, block, places.start)
     motions = Motions(
         block=block,
         code=code,
@@ -358,7 +359,7 @@ def columns(
         renamed=renamed,
         arcs=arcs,
         reasons=b.reasons,
-        holes=holes_of(b, b.cycle, block),
+        holes=holes,
         presets=b.presets,
         **beside_columns(b, block),
         length=length,
