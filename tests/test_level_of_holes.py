@@ -155,6 +155,15 @@ def test_behind_holes_z_bears_as_the_way_from_where_the_control_goes_back_to_lea
     assert broken(Case(text.replace("|", "\n").encode(), dialect, "two-way")) == ""
 
 
+@pytest.mark.parametrize("dialect", ["fanuc-mill", "haas", "centroid", "smoothie"])
+def test_behind_holes_whose_r_is_the_initial_level_z_stands_there_as_written(dialect):
+    """Z5.0 was sent higher than R5.: G98 goes back there, not to R (4 um of play)."""
+    text = (
+        "G21 G17 G90|M3 S500|G0 X180. Y40. Z5.|G98 G81 X180. Y-50. Z-9. R5. F100|G80|G1 X0. Y20.|"
+    )
+    assert broken(Case(text.replace("|", "\n").encode(), dialect, "two-way")) == ""
+
+
 # blocks with a G33.1, and the line at which they are refused
 TAPS = {
     "G33.1 Z-3. K1.|G19|X0": 6,

@@ -126,6 +126,7 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
     if cycle.known and not of_lathe and not b.dialect.returns_no_lower:
         b.blame(holes[(back & named & (cycle.initial < level))[holes]], SUNK, SUNK_ADVICE)
         flush = (named & absolute & (cycle.initial == level))[holes]
+        initial |= back & named & absolute & (cycle.initial == level)
     own = word_column(b, level_word)
     first = int(np.argmax(mask))
     begun = None if absolute[first] and _called(b, first) else cycle.absolute
