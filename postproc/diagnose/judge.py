@@ -55,7 +55,7 @@ def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
     rest = sets.evidence.y - sum(value for kind, value in said.items() if kind != "noise")
     found = [*_left(d, sets, state, said), *_unpredicted(d, sets)]
     found += [*_autocorrelated(sets, state, said, rest), *_scattered(d, sets, said, rest)]
-    found += _located(d, sets) + _far_off(sets, said, rest + said.get("wander", 0.0))
+    found += _located(d, sets) + _far_off(sets, said, rest)
     left = sorted(found + _scattered_samples(d, sets, said, rest), reverse=True)
     parts = [part.whole.rows for part in sets.evidence.parts]
     for f in d.findings:
@@ -245,8 +245,7 @@ def _scattered_samples(
 
 def _far_off(sets: Sets, said: Said, rest: np.ndarray) -> list[tuple[float, float, int]]:
     """The same of units in which several readings lie far beyond what the others scatter by: one
-    alone would be an outlier, together they are something that comes and goes. rest (N,) mm, with
-    what its zero wanders: an excursion of some samples is none of a zero."""
+    alone would be an outlier, together they are something that comes and goes. rest (N,) mm."""
     found = []
     for unit, part in enumerate(sets.evidence.parts):
         own, least = part.unit.rows, _least(part.unit)

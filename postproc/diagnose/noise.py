@@ -272,11 +272,7 @@ def wander(unit: Unit) -> list[np.ndarray]:
     whole, passages = float(np.ptp(t)), len(unit.edges) - 1
     longest = max(float(np.ptp(t[a:b])) for a, b in pairwise(unit.edges))
     if unit.dense:
-        scales = [
-            (2.0 * whole, min(3 * passages, 24)),
-            (longest / 3, min(10 * passages, 64)),
-            (whole / 64, 64),  # 1/f noise holds more of it than the longer times leave it
-        ]
+        scales = [(2.0 * whole, min(3 * passages, 24)), (longest / 3, min(10 * passages, 64))]
     else:
         step = max(float(np.median(np.diff(t))), whole / 1e4)
         scales = [(2.0 * whole, 24), (whole / 8, 48), (3.0 * step, 64)]

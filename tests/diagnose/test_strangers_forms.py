@@ -377,33 +377,6 @@ def test_a_carriage_on_two_rails_that_bend(tmp_path):
     assert value["rails"] == 1 and value["size_um"] == pytest.approx(9.0, rel=0.1)
 
 
-@pytest.mark.parametrize("seed", [3, 4])
-@pytest.mark.parametrize("size_um", [1.0, 2.0])
-def test_noise_of_many_periods_is_no_effect(tmp_path, size_um, seed):
-    """A grid encoder in a shop: power as one over the frequency, from 100 s to 1.6 s (Mandelbrot
-    and Van Ness, Fractional Brownian motions, fractional noises and applications, SIAM Review 10,
-    1968, 422), over white noise of 0.1 um; 45 s along an ellipse of X and Y."""
-    rng = np.random.default_rng(seed)
-    t = np.arange(0, 45, 0.02)
-    x, y = 300 + 120 * np.sin(2 * np.pi * t / 15), 200 + 80 * np.sin(2 * np.pi * t / 9)
-    order = np.arange(1, 61)
-
-    def noise():
-        phase = np.outer(2 * np.pi * order / 99, t) + rng.uniform(0, 2 * np.pi, 60)[:, None]
-        share = np.sqrt(2 / order / np.sum(1 / order))
-        waves = share * np.abs(rng.normal(size=60)) @ np.cos(phase)
-        return size_um * waves + 0.1 * rng.normal(size=len(t))
-
-    off_x, off_y = noise(), noise()
-    rows = [
-        f"1,{a:.2f},{b:.5f},{c:.5f},{b + d * 1e-3:.6f},{c + e * 1e-3:.6f}"
-        for a, b, c, d, e in zip(t, x, y, off_x, off_y, strict=True)
-    ]
-    head = HEAD.format("trace", "grid encoder") + '# sees = "tool"\n'
-    head += "run,t_s,X_cmd_mm,Y_cmd_mm,X_act_mm,Y_act_mm\n"
-    assert not names(diagnosed(tmp_path, head + "\n".join(rows) + "\n"))
-
-
 @pytest.mark.parametrize("width_s, at_s", [(0.3, 13.3), (1.0, 8.1)])
 def test_an_excursion_is_no_wander_of_a_zero(tmp_path, width_s, at_s):
     """8 um, once, over noise of 0.3 um: nobody knows what it was, and something was there."""
