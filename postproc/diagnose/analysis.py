@@ -41,6 +41,7 @@ from postproc.diagnose.explained import scatter, shares
 from postproc.diagnose.jumps import without
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
+from postproc.diagnose.parts import inverted
 from postproc.diagnose.rows import Rows
 from postproc.diagnose.search import Search
 from postproc.diagnose.sets import Found, Sets
@@ -276,25 +277,38 @@ def _learned(
     own = [[g for g in groups if g.kind not in nuisances.NAMED] for groups in own]
     plain = _without_jumps(y, rows, units)
     for _ in range(ROUNDS):
-        left = _unexplained(Evidence(plain, units, stationary, shared, train))
+        left, unsure = _unexplained(Evidence(plain, units, stationary, shared, train))
         for unit, at_most in zip(units, most, strict=True):
             noise.learned(
-                unit, left[unit.rows], rows.rounding[unit.rows], train[unit.rows], at_most
+                unit,
+                left[unit.rows],
+                rows.rounding[unit.rows],
+                train[unit.rows],
+                at_most,
+                unsure.get(int(unit.rows[0])),
             )
     return Evidence(y, units, own, shared, train)
 
 
-def _unexplained(evidence: Evidence) -> np.ndarray:
-    """(N,) mm: what zeros, set-ups, wander and what comes back leave of the readings."""
+def _unexplained(evidence: Evidence) -> tuple[np.ndarray, dict[int, np.ndarray]]:
+    """(N,) mm: what zeros, set-ups, wander and what comes back leave of the readings; and of each
+    unit of samples (n, q) mm, by its first row: a root of the covariance that is left to what they
+    explain."""
     on = frozenset(
         (k, kind)
         for k, p in enumerate(evidence.parts)
         for kind in nuisances.RECURRENT
         if p.processes[kind].any()
     )
-    said = shares(evidence, evidence.learn((), None, on, STEPS))
+    fit = evidence.learn((), None, on, STEPS)
+    said = shares(evidence, fit)
     explained = sum((v for name, v in said.items() if name != "noise"), np.zeros(len(evidence.y)))
-    return np.asarray(evidence.y - explained)
+    unsure = {
+        int(part.whole.rows[0]): part.raw[:, old.use] @ inverted(old.root).T
+        for part, old in zip(evidence.parts, fit.parts, strict=True)
+        if part.whole.dense
+    }
+    return np.asarray(evidence.y - explained), unsure
 
 
 def _without_jumps(y: np.ndarray, rows: Rows, units: list[Unit]) -> np.ndarray:

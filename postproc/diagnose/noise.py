@@ -272,7 +272,9 @@ def wander(unit: Unit) -> list[np.ndarray]:
     whole, passages = float(np.ptp(t)), len(unit.edges) - 1
     longest = max(float(np.ptp(t[a:b])) for a, b in pairwise(unit.edges))
     if unit.dense:
-        scales = [(2.0 * whole, min(3 * passages, 24)), (longest / 3, min(10 * passages, 64))]
+        # the faster one as fine as it may be, of one passage as of many: between it and the few
+        # samples of the autoregression 1/f noise has a part that nothing else would hold
+        scales = [(2.0 * whole, min(3 * passages, 24)), (longest / 3, 64)]
     else:
         step = max(float(np.median(np.diff(t))), whole / 1e4)
         scales = [(2.0 * whole, 24), (whole / 8, 48), (3.0 * step, 64)]
@@ -309,6 +311,7 @@ def learned(
     rounding: np.ndarray,
     train: np.ndarray,
     most: float = np.inf,
+    unsure: np.ndarray | None = None,
 ) -> None:
     """Set a unit's white noise, tails and autoregression from what everything else leaves of it,
     (n,) mm; rounding (n,) mm; train (n,) bool: rows that may be looked at; most mm: of the white
@@ -331,11 +334,11 @@ def learned(
         )
         far = np.where(near > TAIL / 2, 0.0, far)
         if len(left) > 64:
-            parts = [
-                scaled[a:b] for a, b in pairwise(unit.edges) if b - a > 32 and train[a:b].all()
-            ]
+            own = [(a, b) for a, b in pairwise(unit.edges) if b - a > 32 and train[a:b].all()]
+            loose = np.zeros((len(left), 0)) if unsure is None else unsure / relative[:, None]
             unit.ar, unit.innovation, total = autoregression(
-                [without_lines(np.clip(p, -4 * base, 4 * base)) for p in parts]
+                [without_lines(np.clip(scaled[a:b], -4 * base, 4 * base)) for a, b in own],
+                [loose[a:b] for a, b in own],
             )
             base = max(total, unit.floor)
     base = min(unit.shrunk(base), most)
@@ -359,9 +362,14 @@ def _third(values: np.ndarray) -> np.ndarray:
     return np.asarray(differences * np.sqrt(2.0 / 20.0))
 
 
-def autoregression(parts: list[np.ndarray]) -> tuple[np.ndarray, float, float]:
+def autoregression(
+    parts: list[np.ndarray], unsure: list[np.ndarray] | None = None
+) -> tuple[np.ndarray, float, float]:
     """Coefficients, the innovation's share of the variance, and the standard deviation, of
-    stretches of one process."""
+    stretches of one process. unsure (n, q): of each a root of the covariance with which what was
+    taken out of it is known: as much of the process may have gone with it (the expectation step of
+    Dempster, Laird, Rubin, Maximum likelihood from incomplete data, J. Royal Stat. Soc. B 39, 1977,
+    1)."""
     if not parts:
         return np.zeros(0), 1.0, 0.0
     n = sum(len(p) for p in parts)
@@ -370,6 +378,9 @@ def autoregression(parts: list[np.ndarray]) -> tuple[np.ndarray, float, float]:
     for p in parts:
         for k in range(most + 1):
             sums[k] += float(p[k:] @ p[: len(p) - k])
+    for q in unsure or []:
+        for k in range(most + 1):
+            sums[k] += float(np.einsum("ij,ij->", q[k:], q[: len(q) - k]))
     covariance = sums / n
     best = (np.zeros(0), 1.0)
     least = np.inf

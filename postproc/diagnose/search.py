@@ -22,7 +22,7 @@ from postproc.diagnose.sets import RENEWED, Found, Key, Sets
 
 MOST = 6  # members of a set
 # sets that are kept, members that are tried beside each, and of these with shapes of their own
-WIDTH, CHILDREN, POLISHED = 2, 5, 3
+WIDTH, CHILDREN, POLISHED = 4, 5, 3
 EXCHANGED, ROUNDS = 3, 3  # names that are tried in the place of a member; how often
 AHEAD = 3  # members
 SEVERAL = 2  # members up to which several jumps at once are looked for

@@ -55,7 +55,7 @@ MOST = 1.0
 # fewer go through any wave: a mean, two waves of one period and what comes with them have seven
 # values
 PLACES = 8
-TURNS = 3.0  # of the screw: fewer are a curve
+TURNS = 1.99  # of the screw: fewer are a curve; travels of whole turns are rounded
 CONTINUOUS = {"period_mm": (0.0, 1e4)}
 KIND, USE, PER = "machine", "compensate", "axis"
 ALONG = True

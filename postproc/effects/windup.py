@@ -21,7 +21,8 @@ PARAMETERS = {
     "grows": "1, it differs along the travel; 0, it does not",
     "spread": (
         "1, it builds up over ways of all lengths between a fifth of that and five times it, as"
-        " asperities of many sizes let go; 0, over one"
+        " asperities of many sizes let go; 0, over one; -1, in proportion to the way until all"
+        " lets go at once"
     ),
     "stairs": (
         "1, every row of steps in one direction begins at a turn, whatever was travelled before it;"
@@ -61,6 +62,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
         (lengths, 0.0, 0.0, 0.0),
         (reached, 1.0, 0.0, 0.0),
         (reached, 0.0, 1.0, 0.0),
+        (reached, 0.0, -1.0, 0.0),
         *([(lengths, 0.0, spread, 1.0) for spread in (0.0, 1.0)] if stairs else []),
     ]
     return [
@@ -101,28 +103,37 @@ def columns(
     spread: float = 0.0,
     stairs: float = 0.0,
 ) -> np.ndarray:
-    lengths = np.multiply(SPREAD if spread else (1.0,), length_mm)
+    lengths = np.multiply(SPREAD if spread > 0 else (1.0,), length_mm)
+    built_up = _at_once if spread < 0 else _built_up
     if axis in state.path:
         ways = state.path[axis]
-        each = np.sign(ways) * _built_up(np.abs(ways), lengths)
+        each = np.sign(ways) * built_up(np.abs(ways), lengths)
         wound = each[0] / 2 - each.sum(axis=0)
     else:
-        wound = _since_a_turn(state, axis, state.distance[axis], lengths)
+        wound = _since_a_turn(state, axis, built_up(state.distance[axis], lengths))
     if stairs:
         since = _stairs(state, axis)
-        wound = np.where(np.isinf(since), wound, _since_a_turn(state, axis, since, lengths))
+        stair = _since_a_turn(state, axis, built_up(since, lengths))
+        wound = np.where(np.isinf(since), wound, stair)
     return along(axis, wound, *([wound * state.share(axis)] if grows else []))
 
 
-def _since_a_turn(state: State, axis: str, gone: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-    """(N,) of the size, by the last turn alone; gone (N,) mm: way since then."""
-    wound: np.ndarray = -state.approach[axis] / 2 * (2 * _built_up(gone, lengths) - 1)
+def _since_a_turn(state: State, axis: str, share: np.ndarray) -> np.ndarray:
+    """(N,) of the size, by the last turn alone; share (N,): what has built up since then."""
+    wound: np.ndarray = -state.approach[axis] / 2 * (2 * share - 1)
     return wound
 
 
 def _built_up(way: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     """Of a way (any shape, mm) the share that has built up, over all lengths (K,) mm alike."""
     share: np.ndarray = np.mean([-np.expm1(-way / v) for v in lengths], axis=0)
+    return share
+
+
+def _at_once(way: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """The same of one play behind one spring (Jenkins' element: Iwan, A distributed-element model
+    for hysteresis, J. Applied Mechanics 33, 1966, 893)."""
+    share: np.ndarray = np.minimum(way / lengths[0], 1.0)
     return share
 
 
@@ -156,9 +167,9 @@ def coefficients(
 
 def ramp_mm(size_um: float, length_mm: float, spread: float = 0.0, **_: float) -> float:
     """mm of travel after a turn over which a compensator takes it up: 3 lengths, or 5 where it is
-    spread, when 0.9 of it has come. Taken up at the turn it would be all there before the slide
-    asks for it, and leave twice what it leaves uncorrected."""
-    return (5.0 if spread else 3.0) * length_mm
+    spread, when 0.9 of it has come; 1 where it lets go at once. Taken up at the turn it would be
+    all there before the slide asks for it, and leave twice what it leaves uncorrected."""
+    return {-1.0: 1.0, 0.0: 3.0}.get(spread, 5.0) * length_mm
 
 
 def tables(

@@ -42,11 +42,11 @@ def shown(at: State) -> np.ndarray:
     return windup.columns(at, "X", LENGTH)[0, 0] * 1e3
 
 
-def of_plays(turns: list[float]) -> np.ndarray:
+def of_plays(turns: list[float], r: np.ndarray | None = None) -> np.ndarray:
     """The same of very many stops, one sample after the other: thresholds r as frequent as exp(-2 r
     / length), pressed home at first."""
     share = (np.arange(MANY) + 0.5) / MANY
-    r = -LENGTH / 2 * np.log1p(-share)
+    r = -LENGTH / 2 * np.log1p(-share) if r is None else r
     first = np.sign(turns[1] - turns[0])
     place, begin, at = through(turns)
     place = np.insert(place, begin, at)
@@ -65,16 +65,26 @@ def test_after_a_long_way_and_one_turn_it_is_dahl():
     assert shown(at) == pytest.approx(shown(replace(at, path={})), abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    "turns",
-    [
-        [-9.0, 0.0, -1.0, 0.5],
-        [-9.0, 0.0, -1.0, -0.3, -0.8, 3.0, -5.0],
-        [9.0, 0.0, 2.0, 0.3, 1.5, 0.5, 1.2, 0.7],
-    ],
-)
+TURNS = [
+    [-9.0, 0.0, -1.0, 0.5],
+    [-9.0, 0.0, -1.0, -0.3, -0.8, 3.0, -5.0],
+    [9.0, 0.0, 2.0, 0.3, 1.5, 0.5, 1.2, 0.7],
+]
+
+
+@pytest.mark.parametrize("turns", TURNS)
 def test_it_is_a_drive_of_plays(turns):
     assert shown(state(turns)) == pytest.approx(of_plays(turns), abs=2e-3)
+
+
+@pytest.mark.parametrize("turns", TURNS)
+def test_of_one_play_alone_it_builds_up_in_proportion_and_lets_go_at_once(turns):
+    at = state(turns)
+    one = windup.columns(at, "X", LENGTH, spread=-1.0)[0, 0] * 1e3
+    assert one == pytest.approx(of_plays(turns, np.array([LENGTH / 2])), abs=1e-9)
+    last = windup.columns(replace(at, path={}), "X", LENGTH, spread=-1.0)[0, 0] * 1e3
+    long = at.distance["X"] > LENGTH
+    assert last[long] == pytest.approx(-at.approach["X"][long] / 2)
 
 
 def test_a_small_loop_closes_and_is_forgotten():
