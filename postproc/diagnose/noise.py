@@ -272,8 +272,7 @@ def wander(unit: Unit) -> list[np.ndarray]:
     whole, passages = float(np.ptp(t)), len(unit.edges) - 1
     longest = max(float(np.ptp(t[a:b])) for a, b in pairwise(unit.edges))
     if unit.dense:
-        # the faster one as fine as it may be, of one passage as of many: between it and the few
-        # samples of the autoregression 1/f noise has a part that nothing else would hold
+        # of one passage as fine as of many: 1/f noise has a part faster than ten nodes follow
         scales = [(2.0 * whole, min(3 * passages, 24)), (longest / 3, 64)]
     else:
         step = max(float(np.median(np.diff(t))), whole / 1e4)
