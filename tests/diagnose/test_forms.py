@@ -98,8 +98,8 @@ def test_a_screw_swings_otherwise_from_the_other_side():
 
 def test_leads_are_asked_for_where_they_turn_often_enough():
     state = State({"X": np.linspace(0.0, 14.0, 30)}, {"X": np.ones(30)}, LIMITS)
-    # three turns of 4 mm are 12 mm
-    assert max(shape["period_mm"] for shape in cyclic.shapes(state, "X")) == 4.0
+    # two turns of 6 mm are 12 mm, of 8 mm they were 16 mm
+    assert max(shape["period_mm"] for shape in cyclic.shapes(state, "X")) == 6.0
 
 
 def test_beams_give_as_textbooks_say():
