@@ -88,6 +88,8 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
     for x in machine.chain.axes:
         axis = machine.axes[x]
         offset = machine.tool - machine.measured[x]
+        # 1, 0 or -1: its own position is in the arm that its optic had and the axis has not, or the
+        # other way round
         own = (x in machine.chain.arm(x, axis.optic)) - (x in machine.chain.arm(x))
         for table in (axis.table, *axis.grids):
             if table is None or not table.rows:
@@ -175,7 +177,7 @@ def _moved(
     arm: list[np.ndarray | float] = [float(a) for a in offset]
     arm[XYZ.index(letter)] = arm[XYZ.index(letter)] + own * nodes
     result = value.copy()
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):  # the cross product, row by row
         result[i] += value[3 + j] * arm[k] - value[3 + k] * arm[j]
     return result
 
@@ -183,6 +185,7 @@ def _moved(
 def _bend(table: AxisTable | GridTable, letter: str) -> dict[str, float]:
     """Component to mm: a product of two straight lines misses its chord by at most a quarter of
     both rises."""
+    # (a + s da) (b + s db) lies s (1 - s) da db beside its chord: in the middle, a quarter
     both = np.stack([table.forward, table.reverse])[:, 3:]
     gaps = np.diff(table.nodes).reshape((-1,) + (1,) * (table.forward.ndim - 2))
     rise = (np.abs(np.diff(both, axis=2)) * gaps).reshape(2, 3, -1).max(axis=(0, 2)) / 4

@@ -20,6 +20,11 @@ MOTIONS = (b"0", b"1", b"2", b"3")
 HARMLESS = {b"17", b"18", b"19", b"40", b"61", b"61.1", b"64", b"80", b"90", b"91", b"91.1", b"94"}
 Word = tuple[bytes, bytes]  # letter, value
 
+#   N10 G1 X+010.500 Y2.0 F600.   G1X10.5Y2F600
+#   N20 G1 X10.5 Y3.0 F600.       Y3              the motion, F and X are in force
+#   N30 G1 X10.5 Y3.0             X10.5           one axis stays: without any it is no motion
+#   N40 G91 G1 X10.5 Y3.0         G91G1X10.5Y3    now each number is a distance: none is left out
+
 
 class Compact:
     """One program's lines in order. absolute, per_minute: whether G90 and G94 are known to be in

@@ -41,6 +41,10 @@ def to_path(
     point = actual[rows]
     way = (target - start)[rows]
     rapid = (nominal.code[owner] == RAPID) | ~all_known(machine, nominal.start_known)[owner]
+    #                 o actual
+    #                 |          the distance is square to the way; beyond its ends, and of a rapid,
+    #   start --------+--> target   whose path the control chooses, it is that to the end
+    #          along
     square = (way**2).sum(axis=0)
     along = np.where(
         square > 0,

@@ -41,11 +41,13 @@ class Affine:
 
     @property
     def can_be_undone(self) -> bool:
+        # a factor of 1e-6 to 1e6 along each of three axes
         return 1e-18 < abs(_det(*self.matrix)) < 1e18
 
     @property
     def turns(self) -> bool:
         """Whether every circle stays one, in whatever plane."""
+        # so it is where the axes become equally long and at right angles: M'M = s^2 I
         a, b, c = _columns(self.matrix)
         sizes = [sum(x * x for x in column) for column in (a, b, c)]
         slack = 1e-9 * max(sizes)
@@ -61,6 +63,7 @@ class Affine:
         mixed = {i} | {
             j for j in range(3) if abs(self.matrix[i][j]) > TINY or abs(self.matrix[j][i]) > TINY
         }
+        # what a partner mixes with has to be written too; of three axes the second step finds all
         for j in list(mixed):
             mixed |= {
                 k
@@ -82,6 +85,7 @@ class Affine:
         d: Point = (x, y, z)
         a, b, c = _columns(self.matrix)
         det = _det(a, b, c)
+        # Cramer: each unknown is the determinant with its column put out for the right side
         return _det(d, b, c) / det, _det(a, d, c) / det, _det(a, b, d) / det
 
     def similarity(self, first: str, second: str) -> float | None:
@@ -92,6 +96,8 @@ class Affine:
         m = self.matrix
         if any(abs(m[a][k]) > TINY or abs(m[k][a]) > TINY for a in (i, j)):
             return None
+        # Both axes of the plane become (a, c) and (b, d). A circle stays one where these are at
+        # right angles and equally long; then det is the square of the factor, with its sense.
         a, b, c, d = m[i][i], m[i][j], m[j][i], m[j][j]
         scale = max(abs(x) for x in (a, b, c, d))
         det = a * d - b * c
@@ -152,6 +158,7 @@ def scaling(factors: dict[str, float], centre: Point = (0.0, 0.0, 0.0)) -> Affin
 
 
 def _about(rows: list[list[float]], centre: Point) -> Affine:
+    # q = M (p - centre) + centre = M p + (centre - M centre)
     a, b, c = ((row[0], row[1], row[2]) for row in rows)
     turned = Affine((a, b, c)).turned(centre)
     x, y, z = (c - t for c, t in zip(centre, turned, strict=True))

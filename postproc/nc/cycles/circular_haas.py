@@ -67,6 +67,12 @@ class CircularPocket(Cycle):
 
     def _arcs(self, scene: Scene, m: Moves, arc: str, centre: float, radii: list[float]) -> None:
         """Half circles about points of the X axis, from the centre out and back."""
+        # In by half a circle to r, around by two halves (a block whose end is its start would be a
+        # full circle, or nothing), and by half a circle to the other side of the next one:
+        #
+        #   -r2 . . . -r1 . . . 0 . . . r1 . . . r2
+        #     (_________________________)             of diameter r1 + r2: it touches the circle of
+        #                                             r2 at its end and lies within it
         side, ends = 1.0, [0.0]
         for radius in radii:
             ends += [side * radius, -side * radius, side * radius]

@@ -35,6 +35,12 @@ def finished(
 ) -> list[Element]:
     """The shape with its corners, each at the end of the block (`Element.row`) that has it;
     `along`: 0 for cuts along z, 1 along x. Raises ProgramError."""
+    #    before
+    #   --------a - - +       c: where both elements meet once they are moved aside by the size
+    #           :  .  :       a, b: the places nearest to it on them, where the corner begins and
+    #           c - - b       ends
+    #                 |       A is the arc from a to b about c, C the line from a to b
+    #                 |after
     back = elements[-1].end[along] <= elements[0].end[along]
     result = [elements[0]]
     for after in elements[1:]:
@@ -64,6 +70,7 @@ def _centre(
         pair = moved_aside(before, side), moved_aside(after, side)
         if pair[0] is None or pair[1] is None:
             raise _refused(scene, finish, "an arc beside it is smaller")
+        # on the inner side of a corner the moved elements overlap, on the outer one a gap opens
         if (pair[0].end[along] - pair[1].start[along]) * sense <= SMALLEST_GAP:
             sides.append((pair[0], pair[1]))
     place = meeting(*sides[0]) if len(sides) == 1 else None

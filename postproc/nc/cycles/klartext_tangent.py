@@ -63,6 +63,10 @@ class Heading:
         length = math.hypot(*chord)
         if length < NEAR:
             raise self.scene.fault("CT that ends where it begins", "check its end")
+        #       to         Between the way and the chord lies half of the arc's sweep, so the chord
+        #     . /          is 2 R sin(angle) (Euclid III.32). The centre stands square to the way,
+        #    . / angle     on the side to which the chord lies.
+        #   at----> way
         way = self.way[0] / math.hypot(*self.way), self.way[1] / math.hypot(*self.way)
         across = way[0] * chord[1] - way[1] * chord[0]
         if abs(across) < NEAR * length:

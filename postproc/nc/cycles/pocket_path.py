@@ -109,7 +109,7 @@ class Piece:
 def area(shape: list[Piece]) -> float:
     """What a closed shape encloses, above 0 where it runs counter-clockwise."""
     total = 0.0
-    for p in shape:
+    for p in shape:  # triangles from the zero, and the segment between each arc and its chord
         total += (p.start[0] * p.end[1] - p.end[0] * p.start[1]) / 2
         if p.turn:
             total += p.turn * p.radius**2 * (p.sweep - math.sin(p.sweep)) / 2
@@ -337,7 +337,7 @@ def _within(
         for s in p.crossings(axis, value):
             ahead = p.part(0.0, s).tangent(True) if s * p.length > NEAR else p.tangent(False)
             crossing.append((p.at(s)[1 - axis], behind[k] + s * p.length, ahead[axis] > 0))
-    ends, turns = [], 0
+    ends, turns = [], 0  # turns: of the contour around the places behind the crossing
     for _, at, up in sorted(crossing):
         before, turns = turns, turns + (1 if up else -1)
         if not before or not turns:

@@ -34,6 +34,10 @@ class Arc(NamedTuple):
 def centre_of(start: Point, end: Point, radius: float, turn: float) -> Point:
     """The centre of the arc of this radius, counter-clockwise where `turn` is above 0: the shorter
     one, with a radius below 0 the longer. One too small for its chord is half of that."""
+    #        centre        away^2 = R^2 - (chord / 2)^2. i (b - a) points to the left of the chord:
+    #       R / |           the shorter arc has its centre there if it runs against the clock, the
+    #        /  | away      longer one if it runs with it
+    #       a---+---b
     a, b = complex(*start), complex(*end)
     length = abs(b - a)
     away = math.sqrt(max(radius * radius - length * length / 4, 0.0))
@@ -76,12 +80,15 @@ def ends(scene: Scene, arc: Arc) -> list[Point]:
     if sweep is None:
         sweep = (math.atan2(arms[1][1], arms[1][0]) - begin) * arc.turn % math.tau
         sweep = math.tau if math.dist(arc.at, arc.to) < NEAR or sweep < NEAR else sweep
+    # The chord of an angle 2 h leaves its arc by r (1 - cos h) in the middle. Four chords at least
+    # are a circle: of two the direction of the cut would be lost.
     flat = max(1.0 - scene.chord / max(radii), math.cos(math.pi / 4))
     count = max(1, math.ceil(sweep / (2 * math.acos(flat))))
     if count > MOST_LINES:
         raise scene.fault(f"the arc would take {count:,} lines", "a larger --tolerance")
     places = []
     for k in range(1, count):
+        # ends unlike far from the pole: the control lets the radius grow with the angle
         angle = begin + arc.turn * sweep * k / count
         radius = radii[0] + (radii[1] - radii[0]) * k / count
         places.append((centre[0] + radius * math.cos(angle), centre[1] + radius * math.sin(angle)))

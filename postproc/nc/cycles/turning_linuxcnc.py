@@ -294,6 +294,15 @@ class LinuxcncTurning(Cycle):
                 f"I{step:g} R{retract:g}",
                 f"I, the depth of a cut, and R are above 0 ({MOST_PASSES:,} cuts at most)",
             )
+        #   x ^
+        #     |  --.  / R, at 45 degrees   start
+        #     |     \/                     |
+        #     |      *<-------- G1 --------+
+        #     |       \  /                 | I
+        #     |        \/                  |
+        #     |         *<----- G1 --------+
+        #     |   shape  `----------.
+        #     +-------------------------------> z
         rough = roughing(elements, deep, step, retract)
         if any(turning_back(rough.pieces)):
             raise scene.fault(

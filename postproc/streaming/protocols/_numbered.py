@@ -357,6 +357,11 @@ class Numbered(Protocol):
         self._ask.count += 1
         if self._ask.count > PATIENCE_RESENDS:
             return [*events, *self._fault(f"{text}, {PATIENCE_RESENDS} times in a row")]
+        #   sent    N7  N8  N9  N10      N8 arrives damaged; what is behind it does not follow N7
+        #   heard   ok  Resend: 8  ok    of N7; and its own ok, of builds that send one (own_ok)
+        #   sent    N8                   alone: N9 follows behind its ok (_next)
+        #   heard   Resend: 8  ...       once more for N9 and N10 if they were still on the wire:
+        #                                these requests are late ones, and no fault of the line
         self._ask.late = len(self._waiting) - 1
         self._resends = deque(self._waiting)
         for frame in self._resends:
@@ -388,9 +393,7 @@ class Numbered(Protocol):
             return [Message(text)]
         self._spare += not self._numbers
         self._bare += self._numbers
-        return (
-            [Message(text), *self._resend(text, frame.n)] if not self._ask.late else [Message(text)]
-        )
+        return [Message(text), *([] if self._ask.late else self._resend(text, frame.n))]
 
     def _waits(self, text: str) -> list[Event]:
         """It says that it has nothing to do: what is unanswered was lost, or its answer was."""
