@@ -33,8 +33,9 @@ settings.load_profile("new" if os.environ.get("GCOMP_FUZZ") else "same")
 
 @pytest.hookimpl(optionalhook=True)  # without pytest-xdist nobody asks
 def pytest_xdist_auto_num_workers(config):
-    """One more than there are processors: one of them waits."""
-    return (os.cpu_count() or 1) + 1
+    """Two more than there are processors: of the time of all tests, the streaming ones wait for a
+    third."""
+    return (os.cpu_count() or 1) + 2
 
 
 def pytest_configure(config):

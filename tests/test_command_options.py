@@ -1,5 +1,5 @@
-"""Options of the command, run as a process: how they may be written, what they change in the
-program, and what is said."""
+"""Options of the command: how they may be written, what they change in the program, and what is
+said."""
 
 # ruff: noqa: F811 (fixtures are imported and named again as arguments)
 
@@ -10,16 +10,34 @@ import shutil
 
 import pytest
 
+from postproc.cli import main
 from tests.command_process import (
     GRINDER,
     PROGRAM,
     ROOT,
+    Ran,
     corrected,  # noqa: F401
     gcomp,
     place,  # noqa: F401
     refused,
+    surroundings,
     zigzag,
 )
+
+
+@pytest.fixture
+def here(place, monkeypatch, capfd):
+    """The command within this process: how a value may be written is the parser's alone."""
+    monkeypatch.chdir(place)
+    for name, value in surroundings(place).items():
+        monkeypatch.setenv(name, value)
+
+    def run(*arguments: str) -> Ran:
+        status, (out, err) = main([*arguments]), capfd.readouterr()
+        return Ran(status, out.encode(), err.encode())
+
+    return run
+
 
 # -- how it is corrected ---------------------------------------------------------------------------
 
@@ -28,8 +46,8 @@ from tests.command_process import (
     "text, um",
     [("0.5um", "0.5"), ("0.001mm", "1"), ("0.001", "1"), ("5\u00b5m", "5"), (".0001in", "2.54")],
 )
-def test_a_tolerance_may_be_written_so(place, text, um):
-    ran = gcomp(place, *GRINDER, "--dry-run", "--tolerance", text, "part.nc")
+def test_a_tolerance_may_be_written_so(here, text, um):
+    ran = here(*GRINDER, "--dry-run", "--tolerance", text, "part.nc")
     assert ran.status == 0
     assert f"tolerance {um} um" in ran.out.decode()
 
@@ -37,8 +55,8 @@ def test_a_tolerance_may_be_written_so(place, text, um):
 @pytest.mark.parametrize(
     "text", ["abc", "0", "-1um", "nan", "1e999um", "0,5um", "5", "20mm", "1m", ""]
 )
-def test_a_tolerance_may_not_be_written_so(place, text):
-    ran = gcomp(place, *GRINDER, f"--tolerance={text}", "part.nc")
+def test_a_tolerance_may_not_be_written_so(here, text):
+    ran = here(*GRINDER, f"--tolerance={text}", "part.nc")
     assert (ran.status, ran.out) == (2, b"")
     last = ran.err.splitlines()[0]
     assert len(ran.err.splitlines()) == 2, "the sentence, and where the options are listed"
@@ -77,8 +95,8 @@ def test_offsets_may_be_stated(place):
         "--outside=ignore",
     ],
 )
-def test_options_with_a_wrong_value_show_the_right_form(place, option):
-    ran = gcomp(place, *GRINDER, option, "part.nc")
+def test_options_with_a_wrong_value_show_the_right_form(here, option):
+    ran = here(*GRINDER, option, "part.nc")
     assert (ran.status, ran.out) == (2, b"")
     last = ran.err.splitlines()[0]
     assert len(ran.err.splitlines()) == 2, "the sentence, and where the options are listed"
@@ -87,8 +105,8 @@ def test_options_with_a_wrong_value_show_the_right_form(place, option):
 
 
 @pytest.mark.parametrize("option", ["--offset=G54=X0,Y1", "--start=Y1"])
-def test_an_axis_that_the_machine_has_not_is_named(place, option):
-    refused(gcomp(place, *GRINDER, option, "part.nc"), "names Y", "studer-s36", "X Z")
+def test_an_axis_that_the_machine_has_not_is_named(here, option):
+    refused(here(*GRINDER, option, "part.nc"), "names Y", "studer-s36", "X Z")
 
 
 def test_the_start_may_be_stated(place):

@@ -29,18 +29,11 @@ def simulated(folder: Path, machine: str, seed: int, *more: str) -> list[str]:
     return files
 
 
-@pytest.mark.parametrize(
-    "effect",
-    [
-        "backlash:Z:size_um=9",
-        "squareness:XZ:urad=70",
-        # circles alone do not part it from the lag of one axis
-        "servo_mismatch:XZ:delta_tau_ms=0.8",
-    ],
-)
-def test_the_machine_that_was_written_explains_the_real_one_and_itself(tmp_path, effect):
+def test_the_machine_that_was_written_explains_the_real_one_and_itself(tmp_path):
     """Recordings of the real machine, and such as the written one gives on another day, hold
-    nothing more for its file; the old file misses the effect in both."""
+    nothing more for its file; the old file misses the effect in both. So they do of lost motion and
+    squareness (test_diagnose.py); circles alone do not part this one from the lag of one axis."""
+    effect = "servo_mismatch:XZ:delta_tau_ms=0.8"
     real = simulated(tmp_path, str(STUDER), 10, "--with", effect)
     found = str(tmp_path / "found")
     told = diagnosed(real, str(STUDER), tmp_path / "a.json", "--write-machine", found)

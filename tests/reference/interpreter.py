@@ -15,6 +15,7 @@ Positions are slide positions in machine coordinates, mm, radius. I J K R are ra
 import math
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 
 INCH = Fraction(254, 10)
 DIALECTS = ("linuxcnc", "fanuc-lathe")
@@ -83,11 +84,16 @@ class Block:
 
     def polar(self, t):
         """(angle, radius) of an arc at t."""
+        angle, r0, r1 = self._arms
+        return angle + self.sweep * t, r0 + (r1 - r0) * t
+
+    @cached_property
+    def _arms(self):
+        """Of an arc: the angle of its start, the radius there and at its end."""
         first, second = self.plane_axes
         u0, v0 = self.start[first] - self.centre[0], self.start[second] - self.centre[1]
         u1, v1 = self.end[first] - self.centre[0], self.end[second] - self.centre[1]
-        r0, r1 = math.hypot(u0, v0), math.hypot(u1, v1)
-        return math.atan2(v0, u0) + self.sweep * t, r0 + (r1 - r0) * t
+        return math.atan2(v0, u0), math.hypot(u0, v0), math.hypot(u1, v1)
 
     def point(self, t):
         """{axis: mm} at t in [0, 1]; linear in t, on arcs the angle, the radius and the other axes

@@ -53,27 +53,23 @@ class Link:
                 point = point + way
             errors = self._errors(point, scale)
             return nominal @ errors if self.side == "tool" else errors @ nominal
-        about = (
-            translation(self.centre)
-            @ rotation(np.radians(self.q) * TURN[self.letter])
-            @ translation(-self.centre)
-        )
+        about = turned(np.radians(self.q) * TURN[self.letter], self.centre)
         if scale == 0.0:
             return about
-        beside = (
-            translation(scale * self.shift)
-            @ translation(self.centre)
-            @ rotation(scale * self.lean)
-            @ translation(-self.centre)
-        )
+        beside = turned(scale * self.lean, self.centre, scale * self.shift)
         nominal = beside @ about @ np.linalg.inv(beside)
         errors = self._errors(self.centre + self.measured, scale)
         return errors @ nominal if self.side == "tool" else nominal @ errors
 
     def _errors(self, point: np.ndarray, scale: float) -> np.ndarray:
-        return (
-            translation(point + scale * self.d) @ rotation(scale * self.eps) @ translation(-point)
-        )
+        return turned(scale * self.eps, point, scale * self.d)
+
+
+def turned(vector: np.ndarray, centre: np.ndarray, shift: np.ndarray = ZERO) -> np.ndarray:
+    """4 x 4: a turn of `vector`, rad, about a centre, and a shift behind it; mm."""
+    matrix = rotation(vector)
+    matrix[:3, 3] = centre + shift - matrix[:3, :3] @ centre
+    return matrix
 
 
 def tip(links: list[Link], tool: np.ndarray, scale: float) -> np.ndarray:

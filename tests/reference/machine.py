@@ -1,5 +1,5 @@
-"""A machine with errors, by exact homogeneous transforms: a commanded slide position in, the actual
-tool point out.
+"""A machine with errors, by exact rotations: a commanded slide position in, the actual tool point
+out.
 
 Written from the machine format and the rigid-body conventions, to judge the product: it imports
 nothing of it, takes one point at a time and drops nothing that is small. Of the effects beyond the
@@ -137,37 +137,33 @@ class Axis:
         self.travel, self.least_increment = travel, least_increment
         self.play_mm = play_mm  # of the effects: the way after a turn over which they are taken up
 
-    def value(self, direction, position, approach, clamp, margin):
-        """Component E<direction><axis> at a slide position, in mm or rad; linear between nodes,
-        held past the ends."""
+    def values(self, position, approach, clamp, margin):
+        """{direction: component E<direction><axis>} at a slide position, in mm or rad; linear
+        between nodes, held past the ends."""
         first, last = self.nodes[0], self.nodes[-1]
         if not clamp and not first - margin <= position <= last + margin:
             raise ValueError(
                 f"{self.name} = {position} mm is outside its table, {first} to {last} mm"
             )
-        if direction not in self.components:
-            return 0.0
-        forward, reverse = (
-            self._interpolated(column, position) for column in self.components[direction]
-        )
-        return (forward + reverse) / 2.0 + approach * (forward - reverse) / 2.0
-
-    def _interpolated(self, column, position):
-        if position <= self.nodes[0]:
-            return column[0]
-        if position >= self.nodes[-1]:
-            return column[-1]
-        k = bisect_right(self.nodes, position) - 1
+        position = min(max(position, first), last)
+        k = bisect_right(self.nodes, position, 0, len(self.nodes) - 1) - 1
         part = (position - self.nodes[k]) / (self.nodes[k + 1] - self.nodes[k])
-        return column[k] + part * (column[k + 1] - column[k])
+        found = {}
+        for direction, columns in self.components.items():
+            forward, reverse = (v[k] + part * (v[k + 1] - v[k]) for v in columns)
+            found[direction] = (forward + reverse) / 2.0 + approach * (forward - reverse) / 2.0
+        return found
 
-    def transform(self, position, approach, clamp, margin):
-        """4 x 4, mm: from the frame nearer to the tool into the frame nearer to the workpiece."""
-        d = [self.value(name, position, approach, clamp, margin) for name in TRANSLATIONS]
-        eps = [self.value(name, position, approach, clamp, margin) for name in ROTATIONS]
-        travel = translation(self.way * position)
-        error = translation(self.measured_at + d) @ rotation(eps) @ translation(-self.measured_at)
-        return travel @ error if self.side == "tool" else error @ travel
+    def moved(self, point, position, approach, clamp, margin):
+        """(3,) mm: a point, of the frame nearer to the tool, in the frame nearer to the
+        workpiece."""
+        found = self.values(position, approach, clamp, margin)
+        d = np.array([found.get(name, 0.0) for name in TRANSLATIONS])
+        turn = rotation([found.get(name, 0.0) for name in ROTATIONS])[:3, :3]
+        way = self.way * position
+        if self.side == "tool":
+            return way + (self.measured_at + d + turn @ (point - self.measured_at))
+        return self.measured_at + d + turn @ (point + way - self.measured_at)
 
 
 class Machine:
@@ -283,10 +279,10 @@ class Machine:
         Past the ends of a table by more than `margin` mm is a ValueError, unless `clamp`; the end
         value is held.
         """
-        chain = np.eye(4)
-        for name, axis in self.axes.items():
-            chain = chain @ axis.transform(command[name], approach.get(name, 0), clamp, margin)
-        return (chain @ np.append(self.tool, 1.0))[:3]
+        point = self.tool
+        for name, axis in reversed(self.axes.items()):
+            point = axis.moved(point, command[name], approach.get(name, 0), clamp, margin)
+        return point
 
     def deviation(self, command, approach, *, clamp=False, margin=0.0):
         """(3,) mm: actual - nominal."""

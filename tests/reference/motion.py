@@ -134,7 +134,7 @@ class Motion:
         best = None
         for t in guesses:
             t = min(max(t, 0.0), 1.0)
-            for _ in range(30):
+            for _ in range(30 if self.block.kind == "arc" else 1):  # a line is its own tangent
                 slope, before = self._slope(t), t
                 t = min(
                     max(t - float((self.at(t) - point) @ slope) / float(slope @ slope), 0.0), 1.0
