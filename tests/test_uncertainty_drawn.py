@@ -143,7 +143,7 @@ def test_the_length_covers_the_vector_in_95_of_100():
         position = np.array([[link.q for link in links if link.letter == x] for x in m.letters])
         sure = MapUncertainty(m)
         parts = np.array(
-            [v[:, 0] for v in sure.of_each(position, np.zeros_like(position)).values()]
+            [p.deviation(position, np.zeros_like(position))[:, 0] for p in sure.parts.values()]
         )
         assert len(parts) == 6 * len(m.axes) + len(m.square_u)
         drawn = rng.normal(size=(20_000, len(parts))) / 2 @ parts

@@ -267,10 +267,6 @@ def _ways(recording: Recording, axis: str) -> str:
     return f"{len(np.unique(run))} ({text})"
 
 
-def _count(n: int, what: str) -> str:
-    return f"{n} {what}{'' if n == 1 else 's'}"
-
-
 def _runs(run: np.ndarray) -> str:
     numbers = [f"{r:g}" for r in np.unique(run)]
     return ", ".join(numbers if len(numbers) <= 12 else [*numbers[:5], "...", numbers[-1]])

@@ -28,7 +28,6 @@ from postproc.flags import all_of, any_of
 from postproc.records import columns
 
 FEW = 32  # strokes that are looked at one by one
-MODES = ("mean", "step", "ramp", "off")
 FAR = np.int64(2**62)  # ticks: a clamp that far apart holds nothing
 
 

@@ -11,7 +11,6 @@ MORE = 5.0  # times as often as other values
 NEAR = 0.1  # of the range: how near the next value lies to an end that cuts readings off
 # of the readings: otherwise the instrument's step is coarse, and equal readings are nothing special
 DISTINCT = 0.3
-COARSE = 0.1  # of the readings differ: the step shows
 LONG = 8  # readings at rest
 SAMPLES = 20
 WENT = 20.0  # times the usual step of the encoder
@@ -45,18 +44,6 @@ def _repeats(values: np.ndarray, place: np.ndarray) -> bool:
     order = np.argsort(place, kind="stable")
     again = np.diff(place[order]) == 0
     return not again.any() or float(np.mean(np.diff(values[order])[again] == 0)) > 0.5
-
-
-def step(values: np.ndarray, signal: np.ndarray) -> np.ndarray:
-    """(N,) the smallest difference of the readings of a signal, where many are equal: the
-    instrument's step; else 0."""
-    result = np.zeros(len(values))
-    for s in np.unique(signal):
-        which = signal == s
-        number = np.unique(np.round(values[which], 9))
-        if 1 < len(number) <= COARSE * which.sum():
-            result[which] = float(np.diff(number).min())
-    return result
 
 
 def unchanged(values: np.ndarray) -> np.ndarray:

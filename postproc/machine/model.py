@@ -181,10 +181,6 @@ class Machine(Stated):
         """Rows of the corrected axes, and the direction, 0 to 2, of each."""
         return [(row, XYZ.index(self.letters[row])) for row in self.corrected]
 
-    def orientation(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
-        """(3, N) rad: how the tool leans relative to the workpiece, which no slide can correct."""
-        return self.carried(position, approach)[1]
-
     def carried(self, position: np.ndarray, approach: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(3, N) mm by which the tip is off and (3, N) rad by which the tool leans, both in the
         frame of the workpiece, which turns with it. A chain with rotary axes."""

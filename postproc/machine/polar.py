@@ -65,12 +65,6 @@ class PolarMachine(TipMachine):
                 result[self.letters.index(letter)] = row
         return result
 
-    def distance(self, position: np.ndarray) -> np.ndarray:
-        """(N,) mm of places (A, N) from C's line."""
-        x, c = (self.letters.index(letter) for letter in "XC")
-        result: np.ndarray = np.hypot(position[x], position[c])
-        return result
-
 
 class PolarBounds(TipBounds):
     """The same for a machine as polar interpolation sees it: what is off turns with the face."""

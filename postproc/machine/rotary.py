@@ -54,17 +54,11 @@ def tip_deviation(
     return _along_slides(g.chain, off, position)
 
 
-def orientation(
-    g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]
-) -> np.ndarray:
-    """(3, N) rad: how the tool leans relative to the workpiece, which no slide can correct."""
-    return carried(g, parts, position)[1]
-
-
 def carried(
     g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(3, N) mm deviation of the tip and (3, N) rad of the tool, in the workpiece's frame."""
+    """(3, N) mm deviation of the tip and (3, N) rad by which the tool leans, which no slide can
+    correct, in the workpiece's frame."""
     n = len(next(iter(position.values())))
     tip = np.repeat(g.tool[:, None].astype(float), n, axis=1)
     off, lean = np.zeros((3, n)), np.zeros((3, n))

@@ -26,8 +26,6 @@ from postproc.machine.tables import AxisTable, GridTable
 from postproc.machine.tool_point import ToolPoint
 from postproc.records import record
 
-Columns = dict[str, np.ndarray]
-
 
 @record
 class EffectTerm:

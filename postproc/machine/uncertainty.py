@@ -35,10 +35,6 @@ class MapUncertainty:
         self.missing = tuple(name for name in _errors(machine) if name not in self.parts)
         self.turns = any(part.turns for part in self.parts.values())
 
-    def of_each(self, position: np.ndarray, approach: np.ndarray) -> dict[str, np.ndarray]:
-        """Name to (A, N) mm: what the U of one error makes of the deviation, with its sign."""
-        return {name: part.deviation(position, approach) for name, part in self.parts.items()}
-
     def expanded(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
         """(A, N) mm: U of Machine.deviation at commanded slide positions (A, N) mm, approach as
         there; zero where nothing is stated."""

@@ -46,7 +46,6 @@ REASON = {why: number for number, why in enumerate(REASONS, 1)}
 COMMA = re.compile(rb"(?<=[0-9]),(?=[0-9])")
 HEAD = re.compile(rb"[ \t]*(/[ \t]*)?(?:[0-9]+(?=[ \t\r*;]|\Z)[ \t]*)?")
 WORD = re.compile(rb"Q[LRS]?[0-9]+[ \t]*=|[A-Z]+|\*")
-PARAMETER = re.compile(rb"Q([LRS]?)([0-9]+)[ \t]*=[ \t]*")
 PRESET = re.compile(rb"Q339[ \t]*=[ \t]*[+]?[ \t]*[0-9]+[ \t\r]*\Z")
 SIDE = re.compile(rb"[ \t]R(?:([0LR])(?![A-Z0-9.+-])|(?=[ \t\r]|\Z))")
 FAST = re.compile(rb"(?<![A-Z])F[ \t]*MAX\b")

@@ -20,8 +20,6 @@ from postproc.errors import GcompError
 from postproc.machine.model import Machine
 from postproc.simulate.timeline import Timeline, joined
 
-XYZ = "XYZ"
-
 
 @dataclass(frozen=True)
 class Term:

@@ -23,7 +23,7 @@ from collections.abc import Callable
 
 from postproc.nc.cycles.scene import Scene
 
-POLAR, LINEAR, PECKING = 220, 221, 1
+POLAR, PECKING = 220, 1
 NUMBER = re.compile(rb"([-+]?[0-9]*\.?[0-9]+)[ \t]*\Z")
 MOST = 10_000
 NEAR = 1e-9

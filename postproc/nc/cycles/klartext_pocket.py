@@ -38,7 +38,6 @@ SLOPE = math.tan(math.radians(3.0))
 JOIN_MM = 2.0
 MOST_DEPTHS = 1000
 NEAR = 1e-6
-WRITE = "let the CAM program write this pocket out as L"
 
 
 def pocket(scene: Scene, tool: Tool, data: Holes) -> list[bytes]:

@@ -17,7 +17,7 @@ from postproc.nc.cycles.profile import Element, Step, TooMany
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER
 
 WHOLE, NO_POCKETS, POCKETS_ONLY = 0, 1, 2
-NEAR, LEVEL, SHORT = 1e-9, 1e-6, 1e-3  # mm or inches: the control's own
+LEVEL, SHORT = 1e-6, 1e-3  # mm or inches: the control's own
 TOUCHES = 1e-12  # square of a half chord: a level that touches an arc, but for a rounding
 BOTTOM = -1e9
 MOST_CUTS = 100_000

@@ -22,7 +22,6 @@ from postproc.effects import State
 from postproc.errors import GcompError, UsageError
 from postproc.recordings import Recording
 
-XYZ = "XYZ"
 MOST = 5_000_000  # samples
 LARGEST = 1e12  # of a setting
 
