@@ -193,6 +193,23 @@ def test_a_plane_by_hand(tmp_path):
     assert words(output, 40) == "G0 X5. Y6.0100 Z7."
 
 
+@pytest.mark.parametrize("frame, z", [("zero", "6.9910"), ("call", "6.9820")])
+def test_from_where_a_plane_counts_that_is_called_beside_zero(frame, z, tmp_path):
+    """That plane, called with the table at B90. Counted from the table at zero B stands across it
+    already, and errs by 9 um along Z; counted from where it stands it turns by another 90 degrees,
+    to 18 um (EZB: 0.1 um a degree)."""
+    truth = plain("w-B-b-X-Y-Z-t")
+    nodes, mean, _ = truth.table["B"]
+    mean[2] = nodes * 1e-4
+    machine = load(truth, tmp_path / "m", "fanuc-mill", f'[tool_point]\nplanes = "{frame}"')
+    text = (
+        "N10 G90 G54 G0 X0. Y0. Z0. B90.\nN20 G68.2 X0. Y0. Z0. I90. J90. K0.\nN30 G53.1\nN40 G0"
+        " X5. Y6. Z7.\nN50 G69\nM30\n"
+    )
+    output, _ = corrected(machine, "fanuc-mill", text)
+    assert words(output, 40) == f"G0 X5. Y6. Z{z}"
+
+
 def test_orientation_turns_nothing_in_a_plane(tmp_path):
     """There a rotary word would take the tip along: it stays, and that is said."""
     plane = Plane(5, "w-C-A-b-X-Y-Z-t")

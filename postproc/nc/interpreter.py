@@ -247,7 +247,7 @@ def single_codes(b: Batch, axis_words: AxisWords) -> None:
             b.taken[block] = True
             if not code.refuses and not code.does:
                 b.loses[block] = True
-        if code.refuses and not code.does:
+        if code.refuses:
             b.foreign[block] = True
             b.reason[block] = b.because(f"{code.word} ({code.meaning})", code.refuses)
         if number == 530:
