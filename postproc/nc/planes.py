@@ -52,7 +52,7 @@ def tilt(
     """From here on X Y Z are coordinates of the plane zero (3,) mm + turn (3, 3) w of the work
     offset's."""
     kinematics = b.setup.kinematics
-    if kinematics is None or kinematics.lacking or not b.rows.keys() >= set("XYZ"):
+    if kinematics is None or kinematics.lacking:
         lacking = kinematics.lacking if kinematics is not None else None
         why = lacking or ("the machine has no rotary axes", "choose the right --machine")
         b.frame = with_known(
