@@ -391,6 +391,16 @@ def test_what_can_not_be_followed_is_said(text, message, tmp_path):
         corrected(machine, "fanuc-mill", FIVE + text, {"H1": {"Z": LENGTH}})
 
 
+def test_a_slide_that_holds_the_tip_may_stand_at_the_end_of_its_travel(tmp_path):
+    """And not beyond it, by 1 um."""
+    machine = load(plain("w-B-b-X-Y-Z-t", EXX=0.010), tmp_path)
+    head = "G90 G54 G0 X0. Y0. Z0. B0.\nG43.4 H1\n"
+    output, _ = corrected(machine, "fanuc-mill", head + "N1 G1 X400. F500.\n", {"H1": {"Z": 0.0}})
+    assert words(output, 1) == "G1 X399.9900 F500."
+    with pytest.raises(ProgramError, match="to hold the tip there X goes to 400.0010 mm, beyond"):
+        corrected(machine, "fanuc-mill", head + "G1 X400.001 F500.\n", {"H1": {"Z": 0.0}})
+
+
 def test_haas_is_asked_which_frame_it_takes(tmp_path):
     """Nothing says whether G234 counts X Y Z with the table at zero or as it stands: asked for, and
     then followed."""
