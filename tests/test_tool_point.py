@@ -401,6 +401,18 @@ def test_a_slide_that_holds_the_tip_may_stand_at_the_end_of_its_travel(tmp_path)
         corrected(machine, "fanuc-mill", head + "G1 X400.001 F500.\n", {"H1": {"Z": 0.0}})
 
 
+def test_only_a_feed_of_a_rotary_axis_asks_where_it_came_from(tmp_path):
+    """EZB is 9 um at B90, so Z moves with B: of a feed that changes the time, of a rapid not."""
+    truth = plain("w-B-b-X-Y-Z-t")
+    nodes, mean, _ = truth.table["B"]
+    mean[2] = nodes * 1e-4
+    machine, head = load(truth, tmp_path, "linuxcnc"), "G90 G54 G0 X0. Y0. Z0.\n"
+    output, _ = corrected(machine, "linuxcnc", head + "N1 G0 B90.\n")
+    assert words(output, 1) == "G0 B90. Z-0.0090"
+    with pytest.raises(ProgramError, match="where B stands before this feed is not known"):
+        corrected(machine, "linuxcnc", head + "N1 G1 B90. F360\n")
+
+
 def test_haas_is_asked_which_frame_it_takes(tmp_path):
     """Nothing says whether G234 counts X Y Z with the table at zero or as it stands: asked for, and
     then followed."""
