@@ -52,7 +52,7 @@ def position(b: Batch, block: np.ndarray, axis_words: AxisWords) -> Places:
     """Work out (A, N) start, target, what is known, and the words' scales, at the moving blocks."""
     axes = _Axes(b)
     p = axes.stand(len(block))
-    moves_without_words = axes.forgets or axes.sends or axes.held or b.cycle
+    moves_without_words = axes.forgets or axes.held or b.cycle
     words = itertools.chain(*axis_words.values())
     if not (len(block) or moves_without_words or any(map(len, words))):
         return p
@@ -248,7 +248,7 @@ class _Axes:
         self.known: np.ndarray | None = None
         unsure = b.cycle if b.cycle is not None and not b.cycle.known else None
         lapses = bool(b.dialect.length_lapses)
-        if all_of(was) and not any((self.forgets, self.sends, self.held, unsure, lapses)):
+        if all_of(was) and not any((self.forgets, self.held, unsure, lapses)):
             return
         known = np.ones(self.named.shape, bool)
         for letter, row in b.rows.items():
