@@ -23,7 +23,7 @@ from tests.reference.evaluate import residual
 from tests.reference.machine import Machine as Reference
 from tests.small_machines import write_mill
 
-pytestmark = pytest.mark.usefixtures("both_ways")
+by_the_kernel_too = pytest.mark.usefixtures("both_ways")  # where arcs are cut
 
 UM = 1e-3  # mm
 MACHINE = """format = "gcomp-machine/1"
@@ -168,6 +168,7 @@ def test_a_node_of_a_table_of_two_axes_is_a_cut_where_nothing_else_bends(tmp_pat
     assert len(lines) == 2 and "X100.0" in lines[0], out
 
 
+@by_the_kernel_too
 def test_between_two_candidates_products_bend_by_the_slack_at_most(tmp_path):
     """By hand: an angle of 5 urad/mm along X turns the arm Z, so X is off by 1.8 t^2 mm on the way
     from 0, 0 to 400, 900; equal parts of 1 / n miss it by 0.45 / n^2, 0.1 um with n = 68."""
@@ -183,6 +184,7 @@ def test_between_two_candidates_products_bend_by_the_slack_at_most(tmp_path):
     assert 0.09 * UM < bend <= 0.1 * UM
 
 
+@by_the_kernel_too
 @pytest.mark.parametrize("code", ["G2", "G3"])
 @pytest.mark.parametrize("um", [0.5, 1.0, 2.0])
 def test_an_arc_over_a_steep_map_is_cut_until_it_can_be_judged(tmp_path, code, um):
@@ -205,6 +207,7 @@ def test_a_feed_from_a_place_that_was_not_corrected_begins_with_its_correction(t
     assert lines[-4:-1] == ["G1 Z0.000 X-0.020 F500", "Z50.000", "X29.980"]
 
 
+@by_the_kernel_too
 @pytest.mark.parametrize(("size", "um"), [(3, 0.5), (4, 1.0), (8, 1.0)])
 def test_chords_within_an_arc_are_written(tmp_path, size, um):
     """A map that turns by 64 um/mm at X = 5 mm, in steps of 10 um: near the node some pieces are
@@ -218,6 +221,7 @@ def test_chords_within_an_arc_are_written(tmp_path, size, um):
     assert left(folder, text, out) < um * UM + math.hypot(5 * UM, 5 * UM)
 
 
+@by_the_kernel_too
 @pytest.mark.parametrize(
     ("um", "helix"),
     [(1.0, "G1 X100 Y0 Z30 F500\nG3 X110 Y10 Z-30 I0 J10"),

@@ -22,7 +22,7 @@ from postproc.verify import Verifier
 from tests.programs import programs
 from tests.small_machines import MILL, STUDER_FANUC, STUDER_LINUXCNC, write_lagging, write_mill
 
-pytestmark = pytest.mark.usefixtures("both_ways")
+by_the_kernel_too = pytest.mark.usefixtures("both_ways")  # where arcs are cut
 
 ROOT = Path(__file__).resolve().parents[1]
 FANUC = ROOT.parent / "shared" / "corpus" / "fanuc"
@@ -93,6 +93,7 @@ each_mode = pytest.mark.parametrize("mode", MODES)
 # -- the batch does not matter ---------------------------------------------------------------------
 
 
+@by_the_kernel_too
 @each_mode
 @each_site
 @given(data=st.data())
@@ -107,6 +108,7 @@ def test_any_cut_gives_the_same_bytes(machines, name, mode, data):
     )
 
 
+@by_the_kernel_too
 @each_mode
 @pytest.mark.parametrize(
     "text",
@@ -158,6 +160,7 @@ def test_ramp_on_a_one_way_machine_is_mean(machines):
     assert by_mode == by_mode[:1] * len(MODES)
 
 
+@by_the_kernel_too
 def test_pieces_of_an_arc_keep_their_order_when_it_is_alone(machines):
     """A batch with arcs alone, as the last line without newline is one."""
     text = b"G0 X19.651 Y-28.305 Z40.\nG2 X53.04789 Y-9.59681 Z39.97 I21.73319 J0.36633 F50"
@@ -203,6 +206,7 @@ def test_perfect_machine_changes_no_byte_of_the_corpus(machines):
 # -- twice is refused, nothing is lost -------------------------------------------------------------
 
 
+@by_the_kernel_too
 @each_site
 @given(data=st.data())
 @settings(deadline=None, max_examples=30, phases=PHASES)
@@ -226,6 +230,7 @@ def moving(text: bytes, machine, dialect: str) -> int:
     return sum(block.kind in ("rapid", "feed", "arc", "machine") for block in blocks)
 
 
+@by_the_kernel_too
 @each_site
 @given(data=st.data())
 @settings(deadline=None, max_examples=30, phases=PHASES)
@@ -237,6 +242,7 @@ def test_no_motion_is_lost(machines, name, data):
     assert moving(out, machine, dialect) >= moving(text, machine, dialect)
 
 
+@by_the_kernel_too
 @pytest.mark.parametrize("mode", ["step", "mean"])
 @each_site
 @given(data=st.data())
@@ -283,6 +289,7 @@ def skeleton(text: bytes, dialect: str) -> list[tuple[bytes, bytes]]:
     return result
 
 
+@by_the_kernel_too
 @each_site
 @given(data=st.data())
 @settings(deadline=None, max_examples=30, phases=PHASES)
