@@ -401,6 +401,13 @@ def test_a_slide_that_holds_the_tip_may_stand_at_the_end_of_its_travel(tmp_path)
         corrected(machine, "fanuc-mill", head + "G1 X400.001 F500.\n", {"H1": {"Z": 0.0}})
 
 
+def test_nor_does_its_correction_lead_it_beyond(tmp_path):
+    machine = load(plain("w-B-b-X-Y-Z-t", EXX=0.010), tmp_path)
+    text = "G90 G54 G0 X0. Y0. Z0. B0.\nG43.4 H1\nG1 X-400. F500.\n"
+    with pytest.raises(ProgramError, match=r"X goes to -400.0100 mm \(nominal and correction\)"):
+        corrected(machine, "fanuc-mill", text, {"H1": {"Z": 0.0}})
+
+
 def test_only_a_feed_of_a_rotary_axis_asks_where_it_came_from(tmp_path):
     """EZB is 9 um at B90, so Z moves with B: of a feed that changes the time, of a rapid not."""
     truth = plain("w-B-b-X-Y-Z-t")

@@ -13,6 +13,7 @@ from postproc.errors import MotionFault, Notice
 from postproc.expressions import expression
 from postproc.flags import any_of
 from postproc.machine.chain import ROTARY
+from postproc.machine.model import Machine
 from postproc.machine.polar import NEAREST, PolarMachine
 from postproc.machine.tip import TipMachine
 from postproc.motions import COUNTER, FEED, RAPID
@@ -130,7 +131,6 @@ def check_poses(b: Batch) -> None:
     count by their ends."""
     if not isinstance(b.machine, TipMachine):
         return
-    base = b.machine.base
     which = (b.free[b.motion] & (b.m.code[b.motion] <= COUNTER)).nonzero()[0]
     if not len(which):
         return
@@ -141,22 +141,38 @@ def check_poses(b: Batch) -> None:
             continue
         there = b.t0[stroke] + (b.t1 - b.t0)[stroke] * t
         slides = b.machine.slides(b.nominal(b.motion[stroke], there))
-        for row, letter in enumerate(b.machine.letters):
-            if letter not in base.chain.axes:
-                continue
-            (low, high), what = base.axes[letter].travel, "travel"
-            if b.c.outside == "error" and letter in base.ranges:
-                first, last = base.ranges[letter]
-                (low, high), what = (max(low, first), min(high, last)), "travel or the error table"
-            for i in ((slides[row] < low - EDGE) | (slides[row] > high + EDGE)).nonzero()[0][:1]:
-                raise MotionFault(
-                    int(b.motion[stroke[i]]),
-                    f"to hold the tip there {letter} goes to {slides[row, i]:.4f}"
-                    f" {unit_of(letter)}, beyond the {what} of {letter} ({low:g} to {high:g}"
-                    f" {unit_of(letter)})",
-                    "check the work offset, the tool's length, and the centres of the rotary axes"
-                    " in machine.toml",
-                )
+        _check_slides(b, b.machine.base, stroke, slides)
+
+
+def check_ended_poses(b: Batch) -> None:
+    """Where the slides that hold the corrected tip end, too."""
+    if isinstance(b.machine, TipMachine):
+        known = b.m.target_known.all(axis=0) & b.free & (b.m.code <= COUNTER)
+        stroke = known[b.motion].nonzero()[0]
+        slides = b.machine.slides(in_mm(b.end.take(stroke, axis=1)))
+        _check_slides(b, b.machine.base, stroke, slides, " (nominal and correction)")
+
+
+def _check_slides(
+    b: Batch, base: Machine, stroke: np.ndarray, slides: np.ndarray, of: str = ""
+) -> None:
+    """slides (A, n): where they stand at these strokes (n,); of: what that place is made of."""
+    for row, letter in enumerate(b.machine.letters):
+        if letter not in base.chain.axes:
+            continue
+        (low, high), what = base.axes[letter].travel, "travel"
+        if not of and b.c.outside == "error" and letter in base.ranges:
+            first, last = base.ranges[letter]
+            (low, high), what = (max(low, first), min(high, last)), "travel or the error table"
+        for i in ((slides[row] < low - EDGE) | (slides[row] > high + EDGE)).nonzero()[0][:1]:
+            raise MotionFault(
+                int(b.motion[stroke[i]]),
+                f"to hold the tip there {letter} goes to {slides[row, i]:.4f}"
+                f" {unit_of(letter)}{of}, beyond the {what} of {letter} ({low:g} to {high:g}"
+                f" {unit_of(letter)})",
+                "check the work offset, the tool's length, and the centres of the rotary axes"
+                " in machine.toml",
+            )
 
 
 def check_pole(b: Batch) -> None:
