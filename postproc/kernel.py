@@ -1,4 +1,4 @@
-"""The compiled kernel (kernel.c), where setup.sh or somebody built it:
+"""The compiled kernel (kernel.c, nc/splice.c), where setup.sh or somebody built it:
 
     python -m postproc.kernel        # needs a C compiler: cc, or what CC names
 
@@ -15,7 +15,8 @@ import sys
 from functools import cache
 
 FOLDER = os.path.dirname(__file__)
-SOURCE, BUILT = os.path.join(FOLDER, "kernel.c"), os.path.join(FOLDER, "kernel-built.so")
+SOURCES = os.path.join(FOLDER, "kernel.c"), os.path.join(FOLDER, "nc", "splice.c")
+BUILT = os.path.join(FOLDER, "kernel-built.so")
 # A product and a sum in one instruction have other bits; nobody asks for errno, or for traps.
 FLAGS = ("-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-shared", "-fPIC")
 
@@ -34,8 +35,11 @@ def library() -> ctypes.CDLL | None:
 
 
 def _digest() -> str:
-    with open(SOURCE, "rb") as file:
-        return hashlib.sha256(file.read()).hexdigest()
+    digest = hashlib.sha256()
+    for source in SOURCES:
+        with open(source, "rb") as file:
+            digest.update(file.read())
+    return digest.hexdigest()
 
 
 def build(target: str = BUILT) -> str:
@@ -45,7 +49,7 @@ def build(target: str = BUILT) -> str:
 
     compiler = shlex.split(os.environ.get("CC", "cc"))
     part = f"{target}.part"  # a process that has the old one loaded keeps it
-    command = [*compiler, *FLAGS, f'-DSOURCE="{_digest()}"', "-o", part, SOURCE, "-lm"]
+    command = [*compiler, *FLAGS, f'-DSOURCE="{_digest()}"', "-o", part, *SOURCES, "-lm"]
     try:
         done = subprocess.run(command, capture_output=True, text=True)
     except OSError as error:

@@ -30,10 +30,14 @@ def test_only_a_kernel_of_this_source_is_taken(tmp_path, monkeypatch):
     assert fresh() is None
     shutil.copy(built, tmp_path / "kernel-built.so")
     assert fresh() is not None
-    other = tmp_path / "kernel.c"
-    other.write_bytes(Path(kernel.SOURCE).read_bytes() + b"\n")
-    monkeypatch.setattr(kernel, "SOURCE", str(other))
-    assert fresh() is None
+    for name in kernel.SOURCES:
+        other = tmp_path / Path(name).name
+        other.write_bytes(Path(name).read_bytes() + b"\n")
+        others = [str(other) if source == name else source for source in kernel.SOURCES]
+        with monkeypatch.context() as m:
+            m.setattr(kernel, "SOURCES", others)
+            assert fresh() is None
+    assert fresh() is not None
 
 
 def test_without_a_compiler_that_is_said(tmp_path, monkeypatch, capsys):
@@ -45,10 +49,13 @@ def test_without_a_compiler_that_is_said(tmp_path, monkeypatch, capsys):
 
 
 @needs_compiler
-def test_a_compiler_that_fails_is_heard(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("which", range(len(kernel.SOURCES)))
+def test_a_compiler_that_fails_is_heard(tmp_path, monkeypatch, capsys, which):
     broken = tmp_path / "kernel.c"
     broken.write_text("this is no C\n")
-    monkeypatch.setattr(kernel, "SOURCE", str(broken))
+    sources = [*kernel.SOURCES]
+    sources[which] = str(broken)
+    monkeypatch.setattr(kernel, "SOURCES", sources)
     monkeypatch.setattr(kernel, "BUILT", str(tmp_path / "kernel-built.so"))
     assert kernel.main() == 1
     assert "error" in capsys.readouterr().err

@@ -6,10 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from postproc import kernel
 from postproc.flags import any_of
+from postproc.nc.compiled import Edits, spliced
 from postproc.nc.numbers import decimal_cells, decimal_text
 
 if TYPE_CHECKING:
+    from ctypes import CDLL
+
     from numpy.typing import ArrayLike
 
 FEW = 32  # numbers that are written one by one
@@ -24,7 +28,8 @@ class Splice:
         self.text = text
         self._pool: list[bytes] = []
         self._pool_size = 0
-        self._edits: list[tuple[np.ndarray, ...]] = []
+        self._edits: list[Edits] = []
+        self._library: CDLL | None = None  # which writes the numbers of some edits
 
     def constants(self, start: np.ndarray, stop: np.ndarray, rank: np.ndarray, text: bytes) -> None:
         """The same new text at each of (T,) places."""
@@ -48,13 +53,20 @@ class Splice:
         prefix: np.ndarray | None = None,
     ) -> None:
         """value / 10**decimals at each of (T,) places, after `prefix` (T, k) uint8, whose zeros are
-        left out."""
+        left out. Those at one place need ranks of their own."""
         if len(value) <= FEW:
             texts = [*map(decimal_text, value.tolist(), decimals.tolist())]
             if prefix is not None:
                 marks = (row.tobytes().replace(b"\0", b"") for row in prefix)
                 texts = [mark + text for mark, text in zip(marks, texts, strict=True)]
             self.texts(start, stop, rank, texts)
+            return
+        self._library = kernel.library()
+        if self._library is not None:
+            n, room = (len(value), 0) if prefix is None else prefix.shape
+            at, size = np.arange(n) * room, np.full(n, room)
+            text = b"" if prefix is None else prefix.tobytes()
+            self._add(text, start, stop, rank, at, size, value, decimals)
             return
         few = np.bincount(decimals).nonzero()[0].tolist()
         for d in few:
@@ -77,17 +89,10 @@ class Splice:
         stop: ArrayLike,
         rank: ArrayLike,
         at: np.ndarray,
-        size: np.ndarray,
+        *more: np.ndarray,
     ) -> None:
-        self._edits.append(
-            (
-                np.asarray(start, np.int64),
-                np.asarray(stop, np.int64),
-                np.asarray(rank, np.int64),
-                at + self._pool_size,
-                size,
-            )
-        )
+        columns = start, stop, rank, at + self._pool_size, *more
+        self._edits.append(tuple(np.ascontiguousarray(column, np.int64) for column in columns))
         self._pool.append(text)
         self._pool_size += len(text)
 
@@ -95,20 +100,9 @@ class Splice:
         """The text with all edits made."""
         if not self._edits:
             return self.text
-        if len(self._edits) == 1:
-            start, stop, rank, at, size = self._edits[0]
-        else:
-            start, stop, rank, at, size = (
-                np.concatenate(columns) for columns in zip(*self._edits, strict=True)
-            )
-        # What is put in at a place stands before what is taken out from there on.
-        place = 2 * start + (stop > start)
-        if any_of(place[1:] <= place[:-1]):
-            # Edits come as a few ascending runs, which two stable sorts merge much faster than
-            # lexsort does.
-            order = rank.argsort(kind="stable")
-            order = order[place[order].argsort(kind="stable")]
-            start, stop, at, size = start[order], stop[order], at[order], size[order]
+        if self._library is not None:
+            return spliced(self._library, self.text, b"".join(self._pool), self._edits, _in_order)
+        start, stop, _, at, size = _in_order(self._edits)
         source = np.frombuffer(self.text + b"".join(self._pool), np.uint8)
         # Alternate: kept text, new text, kept text, ..., kept text.
         n = len(start)
@@ -126,3 +120,20 @@ class Splice:
             index += np.arange(len(index))
             out.append(source.take(index).tobytes())
         return b"".join(out)
+
+
+def _in_order(lists: list[Edits]) -> Edits:
+    """All edits, in the order in which they are made."""
+    edits = lists[0]
+    if len(lists) > 1:
+        edits = tuple(np.concatenate(columns) for columns in zip(*lists, strict=True))
+    start, stop, rank = edits[:3]
+    # What is put in at a place stands before what is taken out from there on.
+    place = 2 * start + (stop > start)
+    if any_of(place[1:] <= place[:-1]):
+        # Edits come as a few ascending runs, which two stable sorts merge much faster than lexsort
+        # does.
+        order = rank.argsort(kind="stable")
+        order = order[place[order].argsort(kind="stable")]
+        edits = tuple(column[order] for column in edits)
+    return edits
