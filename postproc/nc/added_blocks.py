@@ -7,21 +7,20 @@ import numpy as np
 
 from postproc.motions import RAPID
 from postproc.nc import codes
+from postproc.nc.columns import one_of
 from postproc.nc.writing import Writing
 
 
 def codes_after_motion(b: Writing) -> None:
     """M codes that act after the motion go to its last piece."""
     m, w = b.m, b.w
+    named = (w.letter == ord("M")).nonzero()[0]
+    if not len(named):
+        return
     cut = np.zeros(w.blocks, bool)
     cut[m.block[b.p.motion[b.several]]] = True
-    after_motion = (
-        (w.letter == ord("M"))
-        & cut[w.block]
-        & np.isin(w.mantissa, codes.AFTER_MOTION)
-        & (w.decimals == 0)
-    ).nonzero()[0]
-    for word in after_motion:
+    late = np.isin(w.mantissa[named], codes.AFTER_MOTION) & (w.decimals[named] == 0)
+    for word in named[late & cut[w.block[named]]]:
         motion = int(np.searchsorted(m.block, w.block[word]))
         last = int((b.p.motion == motion).nonzero()[0][-1])
         text = w.text[w.start[word] : w.stop[word]]
@@ -53,11 +52,10 @@ def frames_of_blocks(b: Writing, added: np.ndarray) -> None:
     motion = p.motion[added]
     block = m.block[motion]
     stop, rank, at = w.block_stop[block], b.rank(added), b.behind(motion)
-    end = b.byte[stop]
     marks = [ord(mark) for mark in (";", b.dialect.block_end) if mark]
     # it ends with its line, as nearly all do
-    line = (stop < len(w.text)) & ~np.isin(end, marks)
-    returns = (b.byte[np.maximum(stop - 1, 0)] == ord("\r")) & (stop > 0)
+    line = (stop < len(w.text)) & ~one_of(b.byte.take(stop), marks)
+    returns = (b.byte.take(np.maximum(stop - 1, 0)) == ord("\r")) & (stop > 0)
     skip, code = w.skip[block], np.where(b.names_code[added], p.code[added] + b.above[motion], -1)
     lead_of = _plain_lead
     if b.klartext:
@@ -66,19 +64,21 @@ def frames_of_blocks(b: Writing, added: np.ndarray) -> None:
         b.splice.constants(at[fast], at[fast], rank[fast] + 50, b" FMAX")
     kind = 2 * code + skip
     for k in sorted(set(kind[line].tolist())):
-        which = line & (kind == k)
-        b.splice.constants(at[which], at[which], rank[which], lead_of(k))
+        lead = lead_of(k)
+        if lead:
+            which = line & (kind == k)
+            b.splice.constants(at[which], at[which], rank[which], lead)
     for text, which in ((b"\r\n", line & returns), (b"\n", line & ~returns)):
         b.splice.constants(at[which], at[which], rank[which] + 90, text)
-    lead: list[bytes] = []
-    tail: list[bytes] = []
+    leads: list[bytes] = []
+    tails: list[bytes] = []
     others = (~line).nonzero()[0]
     for k in others:
         before, after = _ends(b, int(stop[k]))
-        lead.append(before + lead_of(int(kind[k])))
-        tail.append(after)
-    b.splice.texts(at[others], at[others], rank[others], lead)
-    b.splice.texts(at[others], at[others], rank[others] + 90, tail)
+        leads.append(before + lead_of(int(kind[k])))
+        tails.append(after)
+    b.splice.texts(at[others], at[others], rank[others], leads)
+    b.splice.texts(at[others], at[others], rank[others] + 90, tails)
 
 
 def _ends(b: Writing, stop: int) -> tuple[bytes, bytes]:

@@ -7,7 +7,7 @@ import numpy as np
 from postproc.flags import any_of
 from postproc.motions import FOREIGN
 from postproc.nc.columns import begins, cells
-from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, POWERS
+from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, POWERS, counts, steps
 from postproc.nc.writing import Writing
 
 INSERT_CODE = 1
@@ -61,16 +61,16 @@ def last_code(b: Writing) -> int:
     return code if code != FOREIGN else -1
 
 
-def _enough(b: Writing, row: int, piece: np.ndarray, decimals: np.ndarray) -> np.ndarray:
+def _enough(b: Writing, ticks: np.ndarray, scale: np.ndarray, decimals: np.ndarray) -> np.ndarray:
     """(K,) as many decimals as new words need: more than the least increment's where the
     nominal place has more (200 mm in inches), and the control reads so many digits."""
-    ticks, scale = b.ticks(row, piece), b.m.scale[row, b.p.motion[piece]]
-    most = np.full(len(piece), MOST_DECIMALS)
+    most = MOST
     if b.dialect.digits:
         whole = np.searchsorted(POWERS[1:], np.abs(ticks) // scale, side="right") + 1
         most = np.clip(b.dialect.digits - whole, decimals, MOST_DECIMALS)
     for _ in range(MOST_DECIMALS):
-        wants = (ticks % (scale // POWERS[decimals]) != 0) & (decimals < most)
+        per = steps(scale, decimals)
+        wants = (ticks // per * per != ticks) & (decimals < most)
         if not any_of(wants):
             break
         decimals = decimals + wants
@@ -93,17 +93,27 @@ def axis_words(b: Writing) -> None:
         missing &= m.target_known & ~m.alone & (m.code != FOREIGN) & p.corrected[first]
     if len(m.holes):
         missing[m.holes.axis, m.holes.motion] = False
-    added = (~b.first).nonzero()[0] if len(p) > len(m) else NO_MOTIONS
     at = suspect.T.ravel().nonzero()[0]  # in the order of the text, nearly
     motion = at // len(suspect)
     _rewrite(b, motion, at - motion * len(suspect))
-    for row, letter in enumerate(b.axes) if len(added) or any_of(missing) else ():
-        write = first[missing[row]]
-        if len(added):
-            moves = p.end[row, added] != p.start[row, added]
-            write = np.sort(np.concatenate([write, added[moves | _in_plane(b, row, added)]]))
-        if len(write):
-            _put_in(b, row, letter, write)
+    if len(p) > len(m):
+        missing = _new_words(b, missing)
+    if any_of(missing):
+        at = missing.T.ravel().nonzero()[0]
+        piece = at // len(missing)
+        _put_in(b, at - piece * len(missing), piece)
+
+
+def _new_words(b: Writing, missing: np.ndarray) -> np.ndarray:
+    """(A, P) bool: words that stand nowhere yet, of pieces; in blocks of their own all axes that
+    move, and those of an arc's plane. missing (A, N): those of first pieces."""
+    p, arcs = b.p, b.m.arcs
+    new: np.ndarray = p.end != p.start
+    curved = (p.arc >= 0).nonzero()[0]
+    arc = p.arc[curved]
+    new[arcs.first[arc], curved] = new[arcs.second[arc], curved] = True
+    new[:, b.begin] = missing
+    return new
 
 
 def _rewrite(b: Writing, motion: np.ndarray, row: np.ndarray) -> None:
@@ -117,67 +127,49 @@ def _rewrite(b: Writing, motion: np.ndarray, row: np.ndarray) -> None:
     b.touched[motion[differs]] = True
 
 
-def _put_in(b: Writing, row: int, letter: str, write: np.ndarray) -> None:
-    """Write words that stand nowhere yet."""
-    motion = b.p.motion[write]
-    decimals = _enough(b, row, write, b.decimals(row, motion))
-    start = np.where(b.first[write], b.at[motion], b.behind(motion))
-    prefix = np.zeros((len(write), 6 if b.spelled else 2), np.uint8)
-    prefix[:, 0] = np.where(
-        b.spaced[motion] & (b.first[write] | _not_leading(b, row, write)), ord(" "), 0
-    )
-    prefix[:, 1] = _letters(b, row, letter, motion)
-    rank = np.where(b.first[write], INSERT_WORD + row, b.rank(write) + 10 + row)
-    place = _as_place(b, row, motion)
-    if place.any():  # X=AC(5)
-        prefix[place, 2:] = np.frombuffer(b"=AC(", np.uint8)
-    value = b.value(row, write, decimals)
+def _put_in(b: Writing, row: np.ndarray, piece: np.ndarray) -> None:
+    """Write words (K,) that stand nowhere yet; those of a piece stand side by side."""
+    motion, first = b.p.motion[piece], b.first[piece]
+    ticks, scale = b.ticks(row, piece), cells(b.m.scale, row, motion)
+    decimals = _enough(b, ticks, scale, b.decimals(row, motion))
+    value = counts(ticks, scale, decimals)
+    start = np.where(first, b.at[motion], b.behind(motion))
+    rank = np.where(first, INSERT_WORD, b.rank(piece) + 10) + row
+    prefix = np.zeros((len(piece), 6 if b.spelled else 2), np.uint8)
+    not_leading = b.names_code[piece] | ~begins(piece) | first
+    prefix[:, 0] = np.where(b.spaced[motion] & not_leading, ord(" "), 0)
+    prefix[:, 1] = _letters(b, row, motion)
     if b.klartext:
         prefix[:, 2] = np.where(value >= 0, ord("+"), 0)
+    place = _as_place(b, row, motion) if b.spelled else NO_MOTIONS
+    if any_of(place):  # X=AC(5)
+        prefix[place, 2:] = np.frombuffer(b"=AC(", np.uint8)
     b.splice.numbers(start, start, rank, value, decimals, prefix)
-    b.splice.constants(start[place], start[place], rank[place], b")")
+    if any_of(place):
+        b.splice.constants(start[place], start[place], rank[place], b")")
     b.touched[motion] = True
 
 
-def _as_place(b: Writing, row: int, motion: np.ndarray) -> np.ndarray:
+def _as_place(b: Writing, row: np.ndarray, motion: np.ndarray) -> np.ndarray:
     """(K,) bool: new words that say themselves that they are places, though G91 is in force."""
     m = b.m
-    if not b.spelled:
-        return np.zeros(len(motion), bool)
-    place: np.ndarray = m.relative[motion] & (m.word[row, motion] < 0) & ~m.incremental[row, motion]
+    place: np.ndarray = m.relative[motion]
+    if any_of(place):
+        place &= (cells(m.word, row, motion) < 0) & ~cells(m.incremental, row, motion)
     return place
 
 
-def _in_plane(b: Writing, row: int, piece: np.ndarray) -> np.ndarray:
-    """(K,) bool: pieces that are arcs in whose plane the axis lies."""
-    arcs, arc = b.m.arcs, b.p.arc[piece]
-    if not len(arcs):
-        return np.zeros(len(piece), bool)
-    at = np.maximum(arc, 0)
-    plane: np.ndarray = (arc >= 0) & ((arcs.first[at] == row) | (arcs.second[at] == row))
-    return plane
-
-
-def _letters(b: Writing, row: int, letter: str, motion: np.ndarray) -> np.ndarray:
-    """(K,) uint8 the letter to write: the block's own (U for X, lower case) where it has
-    one."""
-    word = b.m.word[row, motion]
+def _letters(b: Writing, row: np.ndarray, motion: np.ndarray) -> np.ndarray:
+    """(K,) uint8 the letters to write: the block's own (U for X, lower case) where it has one."""
+    letters: np.ndarray = np.array([*map(ord, b.axes)], np.uint8)[row]
     if not len(b.w.start) or b.klartext:  # an increment's letter is the I of IX
-        return np.full(len(motion), ord(letter), np.uint8)
-    own = b.byte[b.w.start[np.maximum(word, 0)]]
-    absolute_letter = np.full(len(motion), ord(letter), np.uint8)
-    if letter == "C":  # the second coordinate of polar interpolation
-        polar = [s.polar if s is not None else "" for s in b.m.spaces]
-        letters = np.array([ord(x or letter) for x in polar], np.uint8)
-        absolute_letter = letters[b.m.space[motion]]
+        return letters
+    # the second coordinate of polar interpolation
+    polar = [s.polar if s is not None else "" for s in b.m.spaces]
+    if any(polar):
+        others = np.array([ord(x or "C") for x in polar], np.uint8)[b.m.space[motion]]
+        letters = np.where(letters == ord("C"), others, letters)
+    word = cells(b.m.word, row, motion)
     # Blocks with U or W alone stay incremental for their own axis; other axes follow G90 G91.
-    return np.where(word >= 0, own, absolute_letter)
-
-
-def _not_leading(b: Writing, row: int, piece: np.ndarray) -> np.ndarray:
-    """(K,) whether another word stands before this axis' in an added block."""
-    p = b.p
-    leads: np.ndarray = b.names_code[piece].copy()
-    for other in range(row):
-        leads |= (p.end[other, piece] != p.start[other, piece]) | _in_plane(b, other, piece)
-    return leads
+    letters = np.where(word >= 0, b.byte.take(b.w.start.take(np.maximum(word, 0))), letters)
+    return letters

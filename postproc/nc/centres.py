@@ -5,12 +5,38 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.flags import any_of
 from postproc.motions import CLOCKWISE, COUNTER
-from postproc.nc.columns import one_of
+from postproc.nc.columns import cells, one_of
 from postproc.nc.face import ON_FACE, PLANES
-from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, counts
+from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, POWERS, counts
 from postproc.nc.writing import Writing
+from postproc.records import columns
 from postproc.units import TICKS_PER_MM
+
+
+@columns
+class Spelling:
+    """How the n arcs of a batch write centres: unit, decimals, letter (2, n): ticks of one unit (a
+    radius, so never halved), decimals of a least increment, and uint8 the letter."""
+
+    unit: np.ndarray
+    decimals: np.ndarray
+    letter: np.ndarray
+
+
+def _spelled(b: Writing) -> Spelling:
+    m, arcs = b.m, b.m.arcs
+    axis = np.array([arcs.first, arcs.second])
+    scale = cells(m.scale, axis, arcs.motion)
+    halved = (scale > TICKS_PER_MM) & (scale < 20 * TICKS_PER_MM)
+    unit = np.where((scale < TICKS_PER_MM) | halved, scale * 2, scale)
+    least = np.rint(np.log10(unit / arcs.grid)).astype(np.int64)
+    letter = np.zeros((2, len(b.axes), len(b.axes)), np.uint8)
+    for first, second, *words in (*PLANES.values(), ON_FACE):
+        if first in b.axes and second in b.axes:
+            letter[:, b.axes.index(first), b.axes.index(second)] = [*map(ord, words)]
+    return Spelling(unit, np.clip(least, 0, MOST_DECIMALS), letter[:, arcs.first, arcs.second])
 
 
 def centre_words(b: Writing) -> None:
@@ -19,25 +45,33 @@ def centre_words(b: Writing) -> None:
     m, p = b.m, b.p
     if not len(m.arcs):
         return
-    first_piece = b.first.nonzero()[0]
+    of = _spelled(b)
     mine = ((m.code == CLOCKWISE) | (m.code == COUNTER)).nonzero()[0]
-    mine = mine[p.corrected[first_piece[mine]]]
+    piece = b.begin[mine]
+    corrected = p.corrected[piece]
+    mine, piece = mine[corrected], piece[corrected]
     arc_of = np.full(len(m), -1)
     arc_of[m.arcs.motion] = np.arange(len(m.arcs))
-    piece, arc = first_piece[mine], arc_of[mine]
+    arc = arc_of[mine]
     later = (~b.first & (p.arc >= 0)).nonzero()[0]
     _turns(b, mine[b.several[piece]])
     if b.dialect.skips_centre:
         _outside_plane(b, mine[p.arc[piece] < 0])
-    _radii(b, mine, piece, arc, later)
-    later = later[p.radius[later] == 0]
-    for k in range(2):
-        _centres(b, mine, piece, arc, k)
-        _further_centres(b, later, k)
+    if any_of(m.arcs.words[2] >= 0):
+        _radii(b, mine, piece, arc, later, of)
+        later = later[p.radius[later] == 0]
+    _centres(b, mine, piece, arc, of)
+    if len(later):
+        _further_centres(b, later, of)
 
 
 def _radii(
-    b: Writing, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, later: np.ndarray
+    b: Writing,
+    mine: np.ndarray,
+    piece: np.ndarray,
+    arc: np.ndarray,
+    later: np.ndarray,
+    of: Spelling,
 ) -> None:
     """R words: their numbers in the blocks that have them, none where a piece needs a centre, new
     ones behind."""
@@ -45,12 +79,12 @@ def _radii(
     gone = (word >= 0) & (b.p.radius[piece] == 0)
     b.delete(word[gone], mine[gone])
     kept = (b.p.radius[piece] != 0).nonzero()[0]
-    number, decimals = _radius_number(b, piece[kept], arc[kept])
+    number, decimals = _radius_number(b, piece[kept], arc[kept], of)
     differs = number != b.stands(word[kept], decimals)
     b.renumber(word[kept], number, decimals, differs)
     b.touched[mine[kept[differs]]] = True
     later = later[b.p.radius[later] != 0]
-    number, decimals = _radius_number(b, later, b.p.arc[later])
+    number, decimals = _radius_number(b, later, b.p.arc[later], of)
     motion = b.p.motion[later]
     at = b.behind(motion)
     b.splice.numbers(
@@ -58,15 +92,16 @@ def _radii(
     )
 
 
-def _radius_number(b: Writing, piece: np.ndarray, arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _radius_number(
+    b: Writing, piece: np.ndarray, arc: np.ndarray, of: Spelling
+) -> tuple[np.ndarray, np.ndarray]:
     """(K,) whole numbers and decimals of the R words of pieces; the programmed number keeps its own
     decimals."""
     word, radius = b.m.arcs.words[2, arc], b.p.radius[piece]
-    least = np.minimum(*(_centre_decimals(b, arc, k, np.full(len(arc), -1)) for k in range(2)))
     own = np.minimum(b.w.decimals[word], MOST_DECIMALS)
     same = np.abs(radius) == np.abs(b.m.arcs.by_radius[arc])
-    decimals = np.where(same, own, np.maximum(least, own))
-    return counts(radius, np.full(len(arc), 1), decimals, _unit(b, arc, 0)), decimals
+    decimals = np.where(same, own, np.maximum(of.decimals.min(axis=0)[arc], own))
+    return counts(radius, of.unit[0, arc], decimals), decimals
 
 
 def _spelling(b: Writing, motion: np.ndarray, arc: np.ndarray) -> np.ndarray:
@@ -81,97 +116,89 @@ def _spelling(b: Writing, motion: np.ndarray, arc: np.ndarray) -> np.ndarray:
     return prefix
 
 
-def _centres(b: Writing, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, k: int) -> None:
-    """The words for k = 0 or 1, the plane's first or second centre word, in the motions' own
-    blocks."""
+def _centres(
+    b: Writing, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, of: Spelling
+) -> None:
+    """Both centre words of a plane, side by side (K,), in the motions' own blocks."""
     m, p, w = b.m, b.p, b.w
+    mine, piece, arc, k = _twice(mine, piece, arc)
     is_arc, by_radius = p.arc[piece] >= 0, m.arcs.words[2, arc] >= 0
-    word = m.arcs.words[k, arc]
-    gone = (word >= 0) & ~is_arc
-    b.delete(word[gone], mine[gone])
-    value = _centre(b, piece, arc, k)
-    wanted = np.where(m.arcs.absolute[k, arc], value, p.centre[k, piece])
-    decimals = _centre_decimals(b, arc, k, word)
-    number = counts(wanted, np.full(len(arc), 1), decimals, _unit(b, arc, k))
-    own = np.minimum(np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0), MOST_DECIMALS)
-    stands = np.where(
-        word >= 0, w.mantissa[np.maximum(word, 0)] * 10 ** np.maximum(decimals - own, 0), 0
-    )
-    replace = (is_arc & (word >= 0) & (number != stands) & ~by_radius).nonzero()[0]
+    word = cells(m.arcs.words, k, arc)
+    stated = word >= 0
+    gone = stated & ~is_arc
+    if any_of(gone):
+        b.delete(word[gone], mine[gone])
+    wanted = _centre(b, piece, arc, k, cells(m.arcs.absolute, k, arc))
+    read = np.maximum(word, 0)
+    own = np.minimum(np.where(stated, w.decimals[read], 0), MOST_DECIMALS)
+    decimals = np.maximum(cells(of.decimals, k, arc), own)
+    number = counts(wanted, cells(of.unit, k, arc), decimals)
+    stands = np.where(stated, w.mantissa[read] * POWERS[decimals - own], 0)
+    differs = number != stands
+    replace = (is_arc & stated & differs & ~by_radius).nonzero()[0]
+    own = word[replace]
     b.splice.numbers(
-        w.number[word[replace]], w.stop[word[replace]], np.zeros(len(replace)), number[replace],
-        decimals[replace],
-    )  # fmt: skip
-    new = np.where(by_radius, p.radius[piece] == 0, number != stands)
-    add = (is_arc & (word < 0) & new).nonzero()[0]
-    at, rank = b.at[mine[add]], np.full(len(add), INSERT_WORD + 20 + k)
-    _insert_centre(b, mine[add], arc[add], k, number[add], decimals[add], at, rank)
+        w.number[own], w.stop[own], np.zeros(len(own)), number[replace], decimals[replace]
+    )
+    new = np.where(by_radius, p.radius[piece] == 0, differs)
+    add = (is_arc & ~stated & new).nonzero()[0]
+    if len(add):
+        at, rank = b.at[mine[add]], INSERT_WORD + 20 + k[add]
+        _insert(b, mine[add], arc[add], k[add], number[add], decimals[add], at, rank, of)
     b.touched[mine[replace]] = b.touched[mine[add]] = True
 
 
-def _further_centres(b: Writing, later: np.ndarray, k: int) -> None:
+def _twice(*columns_: np.ndarray) -> list[np.ndarray]:
+    """Columns (K,) with every place twice, and (2 K,) 0, 1, 0, 1, ...: for both centre words."""
+    pairs = [column.repeat(2) for column in columns_]
+    k = np.zeros(len(pairs[0]), np.int64)
+    k[1::2] = 1
+    return [*pairs, k]
+
+
+def _further_centres(b: Writing, later: np.ndarray, of: Spelling) -> None:
     """The same in blocks put in behind."""
-    m, p, arc = b.m, b.p, b.p.arc[later]
-    decimals = _centre_decimals(b, arc, k, np.full(len(later), -1))
-    # I=AC() is a word's own affair: blocks put in follow the mode in force, and controls that have
-    # it are incremental.
-    absolute = m.arcs.absolute[k, arc] & ~b.by_letter(m.arcs.words[k, arc])
-    wanted = np.where(absolute, _centre(b, later, arc, k), p.centre[k, later])
-    number = counts(wanted, np.full(len(later), 1), decimals, _unit(b, arc, k))
-    motion = p.motion[later]
-    _insert_centre(b, motion, arc, k, number, decimals, b.behind(motion), b.rank(later) + 30 + k)
+    m, p = b.m, b.p
+    later, motion, arc, k = _twice(later, p.motion[later], p.arc[later])
+    decimals = cells(of.decimals, k, arc)
+    absolute = cells(m.arcs.absolute, k, arc)
+    if any_of(absolute):
+        # I=AC() is a word's own affair: blocks put in follow the mode in force, and controls that
+        # have it are incremental.
+        absolute &= ~b.by_letter(cells(m.arcs.words, k, arc))
+    number = counts(_centre(b, later, arc, k, absolute), cells(of.unit, k, arc), decimals)
+    _insert(b, motion, arc, k, number, decimals, b.behind(motion), b.rank(later) + 30 + k, of)
 
 
-def _centre(b: Writing, piece: np.ndarray, arc: np.ndarray, k: int) -> np.ndarray:
-    """(K,) ticks of an absolute centre word."""
-    axis = (b.m.arcs.first, b.m.arcs.second)[k][arc]
-    centre: np.ndarray = b.p.start[axis, piece] + b.p.centre[k, piece] - b.m.arcs.origin[k, arc]
+def _centre(
+    b: Writing, piece: np.ndarray, arc: np.ndarray, k: np.ndarray, absolute: np.ndarray
+) -> np.ndarray:
+    """(K,) ticks of a centre word, absolute or from where the piece begins."""
+    m, p = b.m, b.p
+    way = cells(p.centre, k, piece)
+    if not any_of(absolute):
+        return way
+    axis = np.where(k, m.arcs.second[arc], m.arcs.first[arc])
+    zero = np.where(absolute, cells(p.start, axis, piece) - cells(m.arcs.origin, k, arc), 0)
+    centre: np.ndarray = way + zero
     return centre
 
 
-def _unit(b: Writing, arc: np.ndarray, k: int) -> np.ndarray:
-    """(K,) ticks of one unit of a centre word (a radius, so never halved)."""
-    axis = (b.m.arcs.first, b.m.arcs.second)[k][arc]
-    scale = b.m.scale[axis, b.m.arcs.motion[arc]]
-    unit: np.ndarray = np.where(
-        scale < TICKS_PER_MM,
-        scale * 2,
-        np.where((scale > TICKS_PER_MM) & (scale < 20 * TICKS_PER_MM), scale * 2, scale),
-    )
-    return unit
-
-
-def _centre_decimals(b: Writing, arc: np.ndarray, k: int, word: np.ndarray) -> np.ndarray:
-    least = np.rint(np.log10(_unit(b, arc, k) / b.m.arcs.grid[k, arc])).astype(np.int64)
-    own = np.where(word >= 0, b.w.decimals[np.maximum(word, 0)], 0)
-    centre_decimals: np.ndarray = np.minimum(np.maximum(least, own), MOST_DECIMALS)
-    return centre_decimals
-
-
-def _insert_centre(
+def _insert(
     b: Writing,
     motion: np.ndarray,
     arc: np.ndarray,
-    k: int,
+    k: np.ndarray,
     number: np.ndarray,
     decimals: np.ndarray,
     at: np.ndarray,
     rank: np.ndarray,
+    of: Spelling,
 ) -> None:
-    """Put the words for k = 0 or 1, the plane's first or second centre word, in at the places
-    `at`."""
-    letters = {
-        (b.axes.index(first), b.axes.index(second)): words
-        for first, second, *words in (*PLANES.values(), ON_FACE)
-        if first in b.axes and second in b.axes
-    }
-    of_plane = np.zeros((len(b.axes), len(b.axes)), np.uint8)
-    for plane, words in letters.items():
-        of_plane[plane] = ord(words[k])
-    letter = of_plane[b.m.arcs.first[arc], b.m.arcs.second[arc]]
+    """Put words for k = 0 or 1, the plane's first or second centre word, in at the places `at`."""
     prefix = np.zeros((len(motion), 2), np.uint8)
     prefix[:, 0] = np.where(b.spaced[motion], ord(" "), 0)
-    prefix[:, 1] = letter
+    prefix[:, 1] = cells(of.letter, k, arc)
     b.splice.numbers(at, at, rank, number, decimals, prefix)
 
 
@@ -186,7 +213,8 @@ def _outside_plane(b: Writing, motion: np.ndarray) -> None:
 
 def _turns(b: Writing, motion: np.ndarray) -> None:
     """P of an arc that was cut."""
-    if b.dialect.turns:
-        place = ((b.w.letter == ord("P")) & np.isin(b.w.block, b.m.block[motion])).nonzero()[0]
+    place = (b.w.letter == ord("P")).nonzero()[0]
+    if b.dialect.turns and len(place):
+        place = place[np.isin(b.w.block[place], b.m.block[motion])]
         owner = np.searchsorted(b.m.block, b.w.block[place])
         b.delete(place, owner)

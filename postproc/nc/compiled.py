@@ -63,8 +63,9 @@ def _written(
 
 
 def _complete(edits: Edits) -> Edits:
-    """The same with columns of numbers; decimals of -1 say that none follows."""
-    if len(edits) == len(COLUMNS):
-        return edits
+    """The same with columns of numbers, as the kernel takes them; decimals of -1 say that none
+    follows."""
     n = len(edits[0])
-    return *edits, np.zeros(n, np.int64), np.full(n, -1, np.int64)
+    if len(edits) < len(COLUMNS):
+        edits = *edits, np.zeros(n, np.int64), np.full(n, -1)
+    return tuple(np.ascontiguousarray(column, np.int64) for column in edits)

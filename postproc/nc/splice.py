@@ -73,14 +73,15 @@ class Splice:
             of = slice(None) if len(few) == 1 else (decimals == d).nonzero()[0]
             room = 0 if prefix is None else prefix.shape[1]
             cell, begin, end = decimal_cells(value[of], d, room)
+            line = np.arange(len(begin)) * cell.shape[1]
+            begin += line
             if prefix is not None:
-                for k in range(room - 1, -1, -1):
-                    mark = prefix[of, k]
-                    some = mark.nonzero()[0]
-                    begin[some] -= 1
-                    cell[some, begin[some]] = mark[some]
-            at = np.arange(len(begin)) * cell.shape[1] + begin
-            self._add(cell.tobytes(), start[of], stop[of], rank[of], at, end - begin)
+                flat = cell.reshape(-1)
+                for mark in prefix[of].T[::-1]:
+                    flat[begin - 1] = mark  # what is zero is written over, or left out
+                    begin -= mark != 0
+            size = line + end - begin
+            self._add(cell.tobytes(), start[of], stop[of], rank[of], begin, size)
 
     def _add(
         self,
@@ -91,8 +92,8 @@ class Splice:
         at: np.ndarray,
         *more: np.ndarray,
     ) -> None:
-        columns = start, stop, rank, at + self._pool_size, *more
-        self._edits.append(tuple(np.ascontiguousarray(column, np.int64) for column in columns))
+        place = np.asarray(start, np.int64), np.asarray(stop, np.int64), np.asarray(rank, np.int64)
+        self._edits.append((*place, at + self._pool_size, *more))
         self._pool.append(text)
         self._pool_size += len(text)
 
@@ -134,6 +135,6 @@ def _in_order(lists: list[Edits]) -> Edits:
         # Edits come as a few ascending runs, which two stable sorts merge much faster than lexsort
         # does.
         order = rank.argsort(kind="stable")
-        order = order[place[order].argsort(kind="stable")]
-        edits = tuple(column[order] for column in edits)
+        order = order.take(place.take(order).argsort(kind="stable"))
+        edits = tuple(column.take(order) for column in edits)
     return edits
