@@ -70,15 +70,15 @@ def _along(begin: np.ndarray, end: np.ndarray, arc: np.ndarray, t: np.ndarray) -
 def quadrants(arcs: Arcs) -> tuple[np.ndarray, np.ndarray]:
     """(K,) arc and (K,) t of the places where a plane axis turns back, in the order of the way."""
     quarter = np.pi / 2
-    low = np.minimum(arcs.angle, arcs.angle + arcs.sweep) + 1e-9
-    high = np.maximum(arcs.angle, arcs.angle + arcs.sweep) - 1e-9
+    last = arcs.angle + arcs.sweep
+    low, high = np.minimum(arcs.angle, last) + 1e-9, np.maximum(arcs.angle, last) - 1e-9
     first = np.ceil(low / quarter).astype(np.int64)
     count = np.maximum(np.floor(high / quarter).astype(np.int64) - first + 1, 0)
     arc, nth = spread(count)
     # In the order of the way: down from the last where the arc turns clockwise.
-    down = (arcs.sweep < 0)[arc]
-    index = first[arc] + np.where(down, count[arc] - 1 - nth, nth)
-    t = (index * quarter - arcs.angle[arc]) / arcs.sweep[arc]
+    down = (arcs.sweep < 0).take(arc)
+    index = first.take(arc) + np.where(down, count.take(arc) - 1 - nth, nth)
+    t = (index * quarter - arcs.angle.take(arc)) / arcs.sweep.take(arc)
     return arc, t
 
 

@@ -48,10 +48,10 @@ class Batch(Columns):
         along an axis of their plane."""
         arcs = self.m.arcs
         arc, t = quadrants(arcs)
-        inside = (t > 0) & (t < 1) & self.free[arcs.motion[arc]]
-        arc, t = arc[inside], np.clip(t[inside], 1e-12, 1 - 1e-12)
+        inside = (t > 0) & (t < 1) & self.free.take(arcs.motion).take(arc)
+        arc, t = arc.compress(inside), np.clip(t.compress(inside), 1e-12, 1 - 1e-12)
         place = points(arcs, self.arc_start, self.arc_target, arc, t)
-        return np.searchsorted(self.motion, arcs.motion[arc]), place
+        return np.searchsorted(self.motion, arcs.motion.take(arc)), place
 
     def strokes(self) -> None:
         """Motions, cut where a two-way axis turns back inside them: motion, t0, t1 (S,), travel (A,

@@ -73,8 +73,10 @@ def settle(f: Fitter, rows: Rows, samples: Samples) -> tuple[list[Rows], np.ndar
     )
     count, low, high, found = results.values()
     row, nth = spread(np.maximum(count, 0))
-    done = _pieces(f, rows.pick(row), samples.pick(row), low[row, nth], high[row, nth])
-    done.centre[:] = found[row, nth].T
+    at = row * MOST + nth
+    done = _pieces(f, rows.pick(row), samples.pick(row), low.take(at), high.take(at))
+    for k in range(2):
+        done.centre[k] = found.take(2 * at + k)
     return [done], np.flatnonzero(count < 0)
 
 
@@ -102,14 +104,13 @@ def _columns(f: Fitter, rows: Rows, s: Samples) -> dict[str, np.ndarray]:
 
 
 def _pieces(f: Fitter, rows: Rows, s: Samples, low: np.ndarray, high: np.ndarray) -> Rows:
-    """Rows from sample low to sample high (R,)."""
-    places = (low, s.begin, rows.begin, rows.t0), (high, s.last, rows.end, rows.t1)
-    ends = []
-    for at, own, ticks, t in places:
-        inner = at != own
-        exact = s.command.take(at, axis=1)
-        ends.append(np.where(inner, f.round_to(rows.stroke, exact), ticks))
-        ends.append(np.where(inner, s.t[at], t))
-    begin, t0, end, t1 = ends
+    """Rows from sample low to sample high (R,), those of one row side by side."""
+    inner = high != s.last
+    exact = s.command.take(high, axis=1)
+    end = np.where(inner, f.round_to(rows.stroke, exact), rows.end)
+    t1 = np.where(inner, s.t.take(high), rows.t1)
+    further = low != s.begin  # they begin where the one before ends
+    begin = np.where(further, np.roll(end, 1, axis=1), rows.begin)
+    t0 = np.where(further, np.roll(t1, 1), rows.t0)
     centre = np.empty((2, len(rows)), np.int64)
     return Rows(rows.arc, rows.stroke, t0, t1, begin, end, centre, rows.radius, rows.chord)

@@ -144,10 +144,9 @@ def laid(f: Fitter, rows: Rows, which: np.ndarray, count: np.ndarray, way: Stret
             return compiled
     t, inside = _placed(rows, which, count, way)
     smooth = np.where(inside & f.plain[arc[0]], BENT, 0.0)
-    row = np.repeat(np.arange(len(rows)), count)
 
     def each(value: np.ndarray) -> np.ndarray:
-        return value.take(row, axis=-1)
+        return value.repeat(count, axis=-1)
 
     angle = each(arcs.angle[arc]) + each(arcs.sweep[arc]) * t
     unit = direction(angle)
@@ -178,13 +177,16 @@ def _samples(
     row = np.repeat(np.arange(len(rows)), count)
     rest = way.rest[which]
     if f.plain[arc[0]]:
-        exact, miss = _commands(f, rows, nominal, guess, row)
+        exact, miss = _commands(f, rows, nominal, guess, row, count)
         miss = np.maximum.reduceat(miss, begin)
         rest = rest + f.total * SHARE / 8 + 2 * way.steep[which] * miss
     else:
         exact = f.needed(rows, row, t, nominal)
-    place = exact[[first, second]] - arcs.centre.take(arc, axis=1).take(row, axis=1)
-    radial = unit[0] * place[0] + unit[1] * place[1] - radius
+    place = exact.take((first, second), axis=0)
+    place -= arcs.centre.take(arc, axis=1).repeat(count, axis=1)
+    radial = unit[0] * place[0]
+    radial += unit[1] * place[1]
+    radial -= radius
     beside = tuple(k for k in f.machine.corrected if k not in (first, second))
     across = exact[list(beside)]
     return Samples(
@@ -194,21 +196,25 @@ def _samples(
 
 
 def _commands(
-    f: Fitter, rows: Rows, nominal: np.ndarray, guess: np.ndarray, row: np.ndarray
+    f: Fitter,
+    rows: Rows,
+    nominal: np.ndarray,
+    guess: np.ndarray,
+    row: np.ndarray,
+    count: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(A, N) mm exact commands of nominal places of rows `row` (N,), and (N,) mm by which they
-    were foreseen wrongly, of `guess` (A, N) mm, which is overwritten.
+    """(A, N) mm exact commands of nominal places of rows `row` (N,), `count` (R,) each, and (N,) mm
+    by which they were foreseen wrongly, of `guess` (A, N) mm, which is overwritten.
 
     One look at the map where the command was foreseen tells it: looked up beside the true place by
     d, it is wrong by `steepest` d, and by as much less again after each further look, which are
     taken where that is too much."""
     machine = f.machine
-    weight = f.weight(rows).take(row, axis=1)
+    weight = f.weight(rows).repeat(count, axis=1)
     found = machine.deviation(nominal + guess, weight)
-    np.negative(found, out=found)
-    guess -= found
+    guess += found
     miss = np.abs(guess, out=guess).max(axis=0)
-    exact = nominal + found
+    exact = np.subtract(nominal, found, out=found)
     wrong = miss
     for _ in range(ROUNDS):
         wrong = wrong * machine.bounds.steepest

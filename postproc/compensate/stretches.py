@@ -69,20 +69,21 @@ def stretches(f: Fitter, rows: Rows) -> Stretches:
     owner = np.concatenate([np.arange(len(rows)), *(o for o, _ in passed)])
     t = np.concatenate([rows.t0, *(at for _, at in passed)])
     # One sort for all rows: the share of the way, halved, stays below the step between two rows.
-    order = np.argsort(owner + (t - rows.t0[owner]) / (rows.t1 - rows.t0)[owner] / 2, kind="stable")
-    owner, t = owner[order], t[order]
+    share = (t - rows.t0.take(owner)) / (rows.t1 - rows.t0).take(owner)
+    order = np.argsort(owner + share / 2, kind="stable")
+    owner, t = owner.take(order), t.take(order)
     first = np.concatenate([[True], owner[1:] != owner[:-1]])
     keep = first.copy()
-    keep[1:] |= (t[1:] - t[:-1] > near[owner[1:]]) & (rows.t1[owner[1:]] - t[1:] > near[owner[1:]])
-    owner, t = owner[keep], t[keep]
-    first = first[keep]
+    least, end = near.take(owner[1:]), rows.t1.take(owner[1:])
+    keep[1:] |= (t[1:] - t[:-1] > least) & (end - t[1:] > least)
+    owner, t, first = owner.compress(keep), t.compress(keep), first.compress(keep)
     until = np.append(t[1:], 0.0)
     final = np.append(first[1:], True)
-    until[final] = rows.t1[owner[final]]
+    until[final] = rows.t1.take(owner.compress(final))
     steep, third = np.zeros(len(t)), np.full(len(t), 1e-12)
     if plain.any():
         steep, third = _steepness(f, rows, owner, (t + until) / 2, shift)
-    turn = sweep[owner] * (until - t)
+    turn = sweep.take(owner) * (until - t)
     # h from h^3 |third| / (9 sqrt 3) = SHARE of the tolerance, the remainder that is left between.
     wide = np.minimum(np.cbrt(f.total * SHARE / (REMAINDER * third)), WIDEST)
     parts = np.where(plain[owner], np.maximum(np.ceil(turn / wide), 2), 0).astype(np.int64)
@@ -105,25 +106,26 @@ def _steepness(
     """(G,) mm/mm how steep the deviation is at most in the cell of the tables where t lies, and
     (G,) mm per cubic radian |f''' + f'| of the path there, a thirtieth more than it can be."""
     arcs, arc = f.arcs, rows.arc[row]
-    bounds, radius = f.machine.bounds, np.maximum(arcs.radius, arcs.radius_end)[arc]
-    angle = arcs.angle[arc] + arcs.sweep[arc] * t
+    bounds, radius = f.machine.bounds, np.maximum(arcs.radius, arcs.radius_end).take(arc)
+    angle = arcs.angle.take(arc) + arcs.sweep.take(arc) * t
     steep, held = np.full(len(row), bounds.even), np.zeros(len(row), bool)
-    share = (t - rows.t0[row]) / (rows.t1 - rows.t0)[row]
-    planes = tuple(zip((arcs.first[arc], arcs.second[arc]), direction(angle), (0, 1), strict=True))
+    share = (t - rows.t0.take(row)) / (rows.t1 - rows.t0).take(row)
+    axes = arcs.first.take(arc), arcs.second.take(arc)
+    planes = tuple(zip(axes, direction(angle), arcs.centre, strict=True))
     for k, letter in enumerate(f.machine.letters):
         if letter not in bounds.cells:
             continue
         nodes, slopes = bounds.cells[letter]
-        for axis, part, which in planes:
+        for axis, part, centre in planes:
             on = axis == k
             if on.any():
-                beside = shift[0, k, row] + (shift[1] - shift[0])[k, row] * share
-                place = arcs.centre[which, arc] + radius * part + beside
-                steep += np.where(on, slopes[nodes.searchsorted(place)], 0.0)
+                beside = shift[0, k].take(row) + (shift[1, k] - shift[0, k]).take(row) * share
+                place = centre.take(arc) + radius * part + beside
+                steep += np.where(on, slopes.take(nodes.searchsorted(place)), 0.0)
                 if k in f.followed:
                     ends = rows.begin[k, row] / TICKS_PER_MM, rows.end[k, row] / TICKS_PER_MM
                     held |= on & ((place < np.minimum(*ends)) | (place > np.maximum(*ends)))
-        moves = (f.start[k] != f.target[k])[arc] & (planes[0][0] != k) & (planes[1][0] != k)
+        moves = (f.start[k] != f.target[k]).take(arc) & (axes[0] != k) & (axes[1] != k)
         if moves.any():
             steep += np.where(moves, slopes.max(), 0.0)
     twist = float(bounds.twist.sum())
@@ -136,11 +138,15 @@ def _ends(f: Fitter, rows: Rows) -> np.ndarray:
     result = np.zeros((2, *rows.begin.shape))
     weight = f.weight(rows).take(plain, axis=1)
     for k, (ticks, t) in enumerate(((rows.begin, rows.t0), (rows.end, rows.t1))):
-        nominal = points(f.arcs, f.start, f.target, rows.arc[plain], t[plain])
+        nominal = points(f.arcs, f.start, f.target, rows.arc.take(plain), t.take(plain))
         exact = ticks.take(plain, axis=1) / TICKS_PER_MM
         if len(f.followed):  # lost motion may hold it elsewhere
             exact = command(f.machine, nominal, weight, f.arcs.motion[rows.arc[plain]])
-        result[k][:, plain] = exact - nominal
+        exact -= nominal
+        if len(plain) == len(rows):
+            result[k] = exact
+        else:
+            result[k][:, plain] = exact
     return result
 
 
@@ -180,7 +186,7 @@ def _between(
     """(N,) of `which` (R,) and (N,) the nodes between low and high (R,), mm."""
     first = nodes.searchsorted(low, side="right")
     one, index = spread(np.maximum(nodes.searchsorted(high, side="left") - first, 0))
-    return which[one], nodes[first[one] + index]
+    return which.take(one), nodes.take(first.take(one) + index)
 
 
 def _on_circle(
@@ -188,10 +194,10 @@ def _on_circle(
 ) -> tuple[np.ndarray, np.ndarray]:
     """(N,) rows and (N,) t where the command of the plane's first (role 0) or second axis passes
     nodes (N,) mm; shift (2, N) mm: how far it is beside the nominal place at both ends."""
-    arcs, arc = f.arcs, rows.arc[row]
-    centre, radius, sweep = arcs.centre[role, arc], arcs.radius[arc], arcs.sweep[arc]
-    t0, way = rows.t0[row], (rows.t1 - rows.t0)[row]
-    first, turns, per = arcs.angle[arc], np.sign(sweep) / TURN, TURN / np.abs(sweep)
+    arcs, arc = f.arcs, rows.arc.take(row)
+    centre, radius, sweep = (x.take(arc) for x in (arcs.centre[role], arcs.radius, arcs.sweep))
+    t0, way = rows.t0.take(row), (rows.t1 - rows.t0).take(row)
+    first, turns, per = arcs.angle.take(arc), np.sign(sweep) / TURN, TURN / np.abs(sweep)
     result = []
     for side in (1.0, -1.0):
         share, t = np.full(len(row), 0.5), t0
@@ -206,8 +212,8 @@ def _on_circle(
             turned = (angle - first) * turns
             t = (turned - np.floor(turned)) * per
             share = np.minimum(np.maximum((t - t0) / way, 0.0), 1.0)
-        inside = (t > t0) & (t < rows.t1[row])
-        result.append((row[inside], t[inside]))
+        inside = (t > t0) & (t < rows.t1.take(row))
+        result.append((row.compress(inside), t.compress(inside)))
     return np.concatenate([r for r, _ in result]), np.concatenate([at for _, at in result])
 
 

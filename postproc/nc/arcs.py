@@ -107,9 +107,10 @@ def arcs_of(
     )
     counter = circle.code[arc] == COUNTER
     value = np.zeros((3, n), np.int64)
-    for k in range(3):
-        written = (centre_word[k] >= 0).nonzero()[0]
-        value[k, written] = batch.ticks(centre_word[k, written], unit[written])
+    for k, own in enumerate(centre_word):
+        written = (own >= 0).nonzero()[0]
+        if len(written):
+            value[k, written] = batch.ticks(own.take(written), unit.take(written))
     by_radius = centre_word[2] >= 0
     written = (
         words.letter[np.maximum(centre_word[:2], 0)]

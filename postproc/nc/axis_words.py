@@ -18,7 +18,9 @@ NO_MOTIONS = np.zeros(0, np.int64)
 def motion_codes(b: Writing) -> None:
     """Name the motion code where the output's differs from the program's."""
     p, m = b.p, b.m
-    first_code, last_code = p.code[b.first], p.code[b.final]
+    first_code, last_code = p.code, p.code
+    if len(p) > len(m):
+        first_code, last_code = p.code.take(b.begin), p.code.compress(b.final)
     before = np.empty(len(m), np.int64)
     before[0], before[1:] = b.state.code, last_code[:-1]
     before[before == FOREIGN] = -1  # what it leaves in force is the program's own affair

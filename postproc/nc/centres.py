@@ -36,7 +36,8 @@ def _spelled(b: Writing) -> Spelling:
     for first, second, *words in (*PLANES.values(), ON_FACE):
         if first in b.axes and second in b.axes:
             letter[:, b.axes.index(first), b.axes.index(second)] = [*map(ord, words)]
-    return Spelling(unit, np.clip(least, 0, MOST_DECIMALS), letter[:, arcs.first, arcs.second])
+    letter = letter.reshape(2, -1).take(axis[0] * len(b.axes) + axis[1], axis=1)
+    return Spelling(unit, np.clip(least, 0, MOST_DECIMALS), letter)
 
 
 def centre_words(b: Writing) -> None:

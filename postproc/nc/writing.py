@@ -116,8 +116,10 @@ class Writing:
         every = m.word
         all_words = every
         if len(m.arcs):
-            centre = np.full((3, len(m)), -1)
-            centre[:, m.arcs.motion] = m.arcs.words
+            centre = m.arcs.words
+            if len(m.arcs) < len(m):
+                centre = np.full((3, len(m)), -1)
+                centre[:, m.arcs.motion] = m.arcs.words
             all_words = np.concatenate([every, centre])
         if len(m.holes):
             bottom = np.full((1, len(m)), -1)
@@ -140,9 +142,10 @@ class Writing:
             fallback = np.where(
                 w.block[np.maximum(last_word, 0)] == m.block, self.tail(last_word), fallback
             )
-        head = np.where(some, w.start[first], fallback) if n else fallback
+        head = np.where(some, w.start.take(first), fallback) if n else fallback
         at = np.where(some, self.tail(last), fallback) if n else fallback
-        spaced = IS_BLANK.take(self.byte[np.maximum(head - 1, 0)]) | IS_BLANK.take(self.byte[at])
+        before, behind = self.byte.take(np.maximum(head - 1, 0)), self.byte.take(at)
+        spaced = IS_BLANK.take(before) | IS_BLANK.take(behind)
         if self.dialect.grammar.assigns or self.klartext:
             spaced.fill(True)  # G64X=5 would be read as no code and its word
         return head, at, spaced
@@ -211,18 +214,24 @@ class Writing:
 
     def rank(self, piece: np.ndarray) -> np.ndarray:
         """(K,) order of pieces behind one block."""
-        motion = self.p.motion[piece]
-        base = np.where(
-            self.w.block_stop[self.m.block[motion]] < len(self.w.text), AFTER, AFTER_END
-        )
-        rank: np.ndarray = base + (piece - self.begin[motion]) * 1000
-        return rank
+        return self._ranks.take(piece)
+
+    @cached_property
+    def _ranks(self) -> np.ndarray:
+        """(P,) the same of all."""
+        base = np.where(self.w.block_stop[self.m.block] < len(self.w.text), AFTER, AFTER_END)
+        ranks: np.ndarray = (base - self.begin * 1000).take(self.p.motion)
+        ranks += np.arange(0, len(ranks) * 1000, 1000)
+        return ranks
 
     def behind(self, motion: int | np.ndarray) -> np.ndarray:
         """(K,) offset where blocks behind a motion's own begin."""
-        behind: np.ndarray = np.minimum(
-            self.w.block_stop[self.m.block[motion]] + 1, len(self.w.text)
-        )
+        return self._behind.take(motion)
+
+    @cached_property
+    def _behind(self) -> np.ndarray:
+        """(N,) the same of all."""
+        behind: np.ndarray = np.minimum(self.w.block_stop[self.m.block] + 1, len(self.w.text))
         return behind
 
     def feed(self, piece: int, number: bytes) -> None:
