@@ -2,7 +2,7 @@
 
     python -m postproc.kernel        # needs a C compiler: cc, or what CC names
 
-Without it gcomp gives the same bytes, and arcs take 1.7 times as long. docs/DESIGN.md says why it
+Without it gcomp gives the same bytes, and arcs take twice as long. docs/DESIGN.md says why it
 is there.
 """
 
