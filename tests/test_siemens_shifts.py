@@ -3,8 +3,13 @@ the NC programming manual: G58 replaces what TRANS gave of an axis, G59 what ATR
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+from postproc.errors import ProgramError
+from postproc.filter import Filter, setup_of
+from postproc.machine.file import read_machine
 from postproc.nc import dialects
 from postproc.nc.interpreter import Interpreter
 from postproc.nc.lexer import lex
@@ -63,3 +68,17 @@ def test_a_level_plane_is_none_without_rotary_axes(call):
     for wrong in ("0,0,1,0,0,0", "0,0,0,0,0,10"):
         _, why = follow(f'CYCLE800(0,"",0,57,{wrong},0,0,0,1)')
         assert "the machine has no rotary axes" in why
+
+
+def test_a_line_alone_that_can_not_be_read_is_refused_as_among_others():
+    """A batch of which nothing is left but the fault, behind a change of tool."""
+    machine = read_machine(Path(__file__).parents[1] / "machines" / "example-mill")
+    words = []
+    for lines in ([b"T01M06\n", b"(KANAV4IST_1)\n"], [b"T01M06\n(KANAV4IST_1)\n"]):
+        filter_ = Filter(machine, dialects.load("siemens"), setup_of(machine))
+        with pytest.raises(ProgramError) as fault:
+            for line in lines:
+                filter_.feed(line)
+            filter_.finish()
+        words.append(str(fault.value))
+    assert words[0] == words[1] and ":2: a comment is opened" in words[0]

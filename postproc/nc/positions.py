@@ -380,7 +380,7 @@ def _due_of(axes: _Axes, letter: str, row: int) -> np.ndarray | None:
     frame, zero = b.frame, np.broadcast_to(axes.offset[row], b.n) - b.frame.shift[row]
     said = np.zeros(b.n, bool)
     said[by] = True
-    last = np.concatenate([[-1], hold_index(said)[:-1]])
+    last = np.concatenate([[-1], hold_index(said)])[: b.n]  # none of a batch of no block
     first = last < 0
     carried = zero if frame.zeros[row] == UNSAID else frame.zeros[row]
     zero = zero + frame.trans[row] + frame.length[row]
