@@ -90,6 +90,15 @@ class Led:
     def half(self, position: np.ndarray) -> np.ndarray:
         return self.slides.half(position)
 
+    def back(self, owner: np.ndarray, count: int) -> np.ndarray:
+        """(A, N) bool: axes that in a motion stand or go behind the farthest place of their side,
+        or move and have none: on which side they bear may change there. owner (M,): of the N
+        motions (`count`) the one that each of the M followed ones belongs to."""
+        legs, of = self.legs, owner[self.legs.motion]
+        nearest = np.minimum((legs.begin - self.far) * self.side, (legs.end - self.far) * self.side)
+        behind = (nearest < -LEAST) | (self.side == 0) & (legs.begin != legs.end)
+        return np.array([np.bincount(of, row, count) > 0 for row in behind])
+
 
 class Slides:
     """The slides of one machine running one program. Keeps, between batches, where they stand.

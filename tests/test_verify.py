@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -14,6 +15,7 @@ import pytest
 from postproc.commands.outcome import verified_by
 from postproc.compensate import Options
 from postproc.filter import Filter, setup_of
+from postproc.machine import places
 from postproc.nc import dialects
 from postproc.nc.shifted import Way
 from postproc.units import UM
@@ -22,6 +24,8 @@ from postproc.verify.cutter import CentreVerifier
 from postproc.verify.distance import _from_arc
 from tests.test_lost_motion import backlash, corrected, machine
 from tests.test_unknown_places import mill
+
+ROOT = Path(__file__).resolve().parents[1]
 
 
 def verified(m, program: str, old: bytes = b"", new: bytes = b"", **options) -> Verifier:
@@ -64,7 +68,48 @@ def test_what_a_reversal_moves_another_axis_by_is_allowed_where_it_turns(tmp_pat
     circle = "G0 X0 Y0 Z0\nG1 X40 F500\nG91 G2 X0 Y0 I-19 J-3\nG90 G1 X3\nM2\n"
     verifier = verified(m, circle)
     assert m.lateral == 24 * UM and verifier.passed
-    assert verifier.allowed - m.lateral < verifier.corrected.deviation < 12.1 * UM
+    assert verifier.allowed < verifier.corrected.deviation < 12.1 * UM < verifier.let_pass
+
+
+def test_where_no_axis_turns_back_what_a_reversal_would_move_is_not_let_pass(tmp_path):
+    """X is 12 um aside where it comes in -, and goes on in +: an end that is 10 um aside is
+    refused; where it has come back it would pass."""
+    two_way = "X_mm,EXX_um_fwd,EXX_um_rev,EYX_um_fwd,EYX_um_rev\n-500,0,0,0,12\n500,0,0,0,12\n"
+    m = machine(tmp_path / "m", backlash("X", 5), X=two_way)
+    on, back = (f"G0 X0 Y0 Z0\nG1 X40 F500\nX{x}\nM2\n" for x in (80, 20))
+    assert verified(m, on).passed and not verified(m, on, b"X80.0025", b"X80.0025 Y0.0100").passed
+    verifier = verified(m, back, b"X19.9975", b"X19.9975 Y-0.0020")
+    assert verifier.passed and verifier.corrected.deviation > verifier.allowed
+    assert (
+        f"(let pass, where slides turn back and by rounding: {verifier.let_pass / UM:.2f} um)"
+        in (verifier.report())
+    )
+
+
+TURNING = "G90\nG0 X20. Z-10.\nG1 X40. F300\nX60. Z-30.\nX20. Z-12.\nG0 X50. Z-20.\nX30.\n"
+PROGRAMS = {
+    "example-lathe": "G0 X50. Z-20.\nG1 X120. Z-150. F100\nX60. Z-60.\nZ-20.\n",
+    "example-mill": TURNING,
+    "example-five-axis": "G0 A0 C0\n" + TURNING.replace("Z-", "Z"),
+    "example-printer": "G28\n" + TURNING.replace("Z-", "Z"),
+    "example-router": TURNING,
+    "mv-1060": "G90\nG0 X-900. Y-500. Z-50.\nG1 X-100. F300\nX-700. Y-100. Z-400.\nX-950.\n",
+    "studer-s36": (ROOT / "sample_programs" / "shaft.nc").read_text(),
+    "studer-s36-thesis": (ROOT / "sample_programs" / "shaft.nc").read_text(),
+}
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_on_every_machine_the_uncorrected_program_would_be_refused(name):
+    """Judged like its correction, which passes."""
+    m = places.load(str(ROOT / "machines" / name))
+    dialect = dialects.load(m.control)
+    m = m.carrying(dialect.carried)
+    filter_ = Filter(m, dialect, setup_of(m, {"G54": {}}, dict.fromkeys("XYZ", 0.0)))
+    verifier = Verifier(filter_)
+    filter_.feed(PROGRAMS[name].encode())
+    filter_.finish()
+    assert verifier.passed and verifier.uncorrected.rest > verifier.allowed, verifier.report()
 
 
 def test_where_more_than_the_tolerance_is_left_the_line_says_what_is_let_pass(tmp_path):

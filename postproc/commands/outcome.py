@@ -26,10 +26,10 @@ class Verified:
     uncorrected_um,
     uncorrected_line: the same of the program as it was; lost_motion_um: the same with every slide
     in its play;
-    tolerance_um: what was asked; allowed_um: what is let pass (tolerance, hysteresis, half an
-    increment); map_u_um: how well the map itself is known on the path (95 %), None where its folder
-    does not say; not_stated: errors of the map whose uncertainty is not stated; report: all of it
-    as a sentence.
+    tolerance_um: what was asked; allowed_um: what is let pass there (tolerance, hysteresis, half an
+    increment, what a slide that turns back moves the others by); map_u_um: how well the map itself
+    is known on the path (95 %), None where its folder does not say; not_stated: errors of the map
+    whose uncertainty is not stated; report: all of it as a sentence.
     """
 
     passed: bool
@@ -129,7 +129,7 @@ def verified_by(verifier: Verifier) -> Verified:
     return Verified(
         verifier.passed, not verifier.blind, after.deviation / UM, after.line,
         before.deviation / UM, before.line, after.slide / UM, verifier.tolerance / UM,
-        verifier.allowed / UM,
+        verifier.let_pass / UM,
         verifier.map.largest / UM if known.parts else None, known.missing, verifier.motions_in,
         verifier.motions_out, verifier.report(),
     )  # fmt: skip

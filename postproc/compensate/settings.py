@@ -151,12 +151,12 @@ class Settings:
     def allowed(self, grid: np.ndarray) -> np.ndarray:
         """mm that may be left at most, where one least increment is `grid` mm: the tolerance and
         half an increment; where sides are followed, what each two-way axis may be held back by: the
-        hysteresis at the ends of strokes and half of it along them, and what the sides of all axes
-        move the others by, which no take-up can bring about in the same moment."""
+        hysteresis at the ends of strokes and half of it along them. What an axis that turns back
+        moves the others by comes on top (verify/turning.py)."""
         beyond = 0.0
         if self.follows:
             axes = int(self.machine.two_way[self.rows].sum())
-            beyond = 1.5 * self.hysteresis * float(np.sqrt(axes)) + self.machine.lateral
+            beyond = 1.5 * self.hysteresis * float(np.sqrt(axes))
         allowed: np.ndarray = self.tolerance + beyond + grid / 2 + 1e-9
         return allowed
 

@@ -36,6 +36,7 @@ from postproc.verify.heat import Warm
 from postproc.verify.holes import holes_of
 from postproc.verify.largest import Largest
 from postproc.verify.machines import Machines
+from postproc.verify.turning import Turning
 
 STEP_MM = 2.0  # a sample at least every 2 mm
 MOST_SAMPLES = 20_000
@@ -247,6 +248,7 @@ class Verifier(Figures):
             whole & known & path, np.clip(np.ceil(length / STEP_MM), 4, len(PLACES)), 0
         ).astype(np.int64)
         group = (np.cumsum(count + 1) - 1) // MOST_SAMPLES
+        turning = Turning(self.machines, nominal, owner, run, led[1], self.settings.overshoots)
         # so many at a time that memory stays flat
         for g in range(int(group[-1]) + 1 if len(group) else 0):
             which = np.flatnonzero(group == g)
@@ -291,8 +293,11 @@ class Verifier(Figures):
                     nominal_at = points_of(nominal, nominal_curved, owner[row], t)
                     places = (nominal_at, command, actual, distance)
                     self._trace(run, row, (owner[row], t), places, weights[0], into, path[row])
-                worst = int(np.argmax(distance))
-                into.take(float(distance[worst]), int(line[owner[row[worst]]]), bool(slides))
+                beyond = (distance > self.tolerance) & self.couples & (not slides)
+                aside = turning.aside(beyond, (row, place), command, weight)
+                for worst in np.argmax(distance), np.argmax(distance - aside):
+                    of = int(line[owner[row[worst]]])
+                    into.take(float(distance[worst]), of, bool(slides), float(aside[worst]))
 
     def _distance(
         self, nominal: Motions, where: Any, actual: np.ndarray, path: np.ndarray, slides: bool

@@ -23,6 +23,8 @@ class Figures:
         self.settings = filter_.compensator
         self.tolerance = filter_.compensator.tolerance
         self.follows, self.hysteresis = filter_.compensator.follows, filter_.compensator.hysteresis
+        # whether the sides of an axis move the others
+        self.couples = self.follows and self.machine.lateral > 0
         # mm, larger in inch blocks
         self.grid = max(axis.least_increment for axis in self.machine.axes.values())
         self.corrected, self.uncorrected = Largest(), Largest()
@@ -41,8 +43,14 @@ class Figures:
 
     @property
     def allowed(self) -> float:
-        """mm, of the largest increment of the program (Settings.allowed)."""
+        """mm, of the largest increment of the program (Settings.allowed), where no axis that turns
+        back moves the others."""
         return float(self.settings.allowed(np.array(self.grid)))
+
+    @property
+    def let_pass(self) -> float:
+        """mm, where the largest deviation is."""
+        return self.allowed + self.corrected.aside
 
     @property
     def passed(self) -> bool:
@@ -54,7 +62,7 @@ class Figures:
         better = centre.corrected.deviation <= max(self.allowed, centre.uncorrected.deviation)
         holes = self.holes.deviation <= self.hole_tolerance + self.allowed - self.tolerance
         return better and (
-            self.mode in ("ramp", "off") or (holes and self.corrected.deviation <= self.allowed)
+            self.mode in ("ramp", "off") or (holes and self.corrected.rest <= self.allowed)
         )
 
     @property
@@ -89,9 +97,12 @@ def _line(v: Figures) -> str:
 
 def _above(v: Figures) -> str:
     """Why more than the tolerance may be left, where it is."""
-    if not v.tolerance < v.corrected.deviation <= v.allowed:
+    if not v.tolerance < v.corrected.deviation <= v.let_pass:
         return ""
-    return f" (let pass, where slides turn back and by rounding: {v.allowed / UM:.2f} um)"
+    said = f" (let pass, where slides turn back and by rounding: {v.let_pass / UM:.2f} um"
+    if (more := v.corrected.rest - v.allowed) > 0:
+        said += f"; in line {v.corrected.rest_line} {more / UM:.2f} um more than that there"
+    return said + ")"
 
 
 def _at(line: int) -> str:
