@@ -191,3 +191,14 @@ def test_a_hole_in_g91_of_words_in_g90_is_refused_in_any_cut(dialect, block):
     case = Case(text.replace("|", "\n").encode(), dialect)
     assert broken(case) == ""
     assert "a cycle that returns to R under G91" in outcome(filter_of(case), [case.text])[1]
+
+
+@pytest.mark.parametrize("dialect", ["fanuc-mill", "haas", "linuxcnc", "mach3"])
+@pytest.mark.parametrize("kind", ["one-way", "two-way"])
+def test_l0_beside_a_place_is_refused(dialect, kind):
+    """The words count as the place from then on, and the tool does not go there: a way there was
+    put in front of the next block."""
+    text = "G98 G81 X10. Y5. Z-5. R3. F100|X50. Y-9. L0|G80|G91 G1 X1. Y1.|G90 X3.|M30"
+    case = Case((HEAD + text).replace("|", "\n").encode(), dialect, kind)
+    assert broken(case) == ""
+    assert ":6: L0 beside a place stores words" in outcome(filter_of(case), [case.text])[1]

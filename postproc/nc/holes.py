@@ -21,6 +21,7 @@ from postproc.nc.positions import Places
 from postproc.nc.queries import tell, word_column, words_of
 from postproc.nc.state import Cycle, InCycle
 
+NONE = np.zeros(0, np.int64)
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
 PLANES = {letter: code for code, letter in ACROSS.items()}
 OTHER_PLANE = "a hole of a canned cycle in another plane than the cycle was called in"
@@ -112,7 +113,10 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
         has_level = np.ones(b.n, bool)
     bottom, has_bottom = _held(b, depth, np.where(absolute, offset, level), scale, cycle.bottom)
     holes = drills.nonzero()[0]
-    stored = _repeats(b, mask, drills, cycle.stored)
+    aside = [
+        b.words.block[place] for x, each in axis_words.items() if x != letter for place in each
+    ]
+    stored = _repeats(b, mask, drills, cycle.stored, np.concatenate([NONE, *aside]))
     if b.dialect.repeats == "L":  # where K repeats nothing, it is the least peck of G73 and G83
         k = b.words.block[words_of(b, "K")]
         b.blame(k[(mask & ~np.isin(motion, PECKS))[k]], "K in a cycle that has none", NO_REPEATS)
@@ -224,9 +228,10 @@ def _from_start(
     return np.where(has_level, level, cycle.initial)
 
 
-def _repeats(b: Batch, mask: np.ndarray, drills: np.ndarray, stored: str) -> str:
+def _repeats(b: Batch, mask: np.ndarray, drills: np.ndarray, stored: str, aside: np.ndarray) -> str:
     """L or K: so many holes; none stores the words alone, for the next hole. Takes the letter of
-    such a block that came without a hole behind it before the batch, and returns that behind it."""
+    such a block that came without a hole behind it before the batch, and returns that behind it.
+    aside (W,): blocks of words of the other axes."""
     before = {-1: stored} if stored else {}  # block to letter
     several = []
     for letter in b.dialect.repeats:
@@ -235,6 +240,9 @@ def _repeats(b: Batch, mask: np.ndarray, drills: np.ndarray, stored: str) -> str
         count, block = b.numbers(place), b.words.block[place]
         drills[block[count == 0]] = False
         before |= dict.fromkeys(block[count == 0].tolist(), letter)
+        goes = block[(count == 0) & np.isin(block, aside)]
+        b.foreign[goes] = True
+        b.blame(goes, f"{letter}0 beside a place stores words without drilling", _way_out(b))
         several.append(block[(count != 1) & (count != 0)])
     holes = drills.nonzero()[0]
     for at, letter in before.items():
