@@ -367,3 +367,13 @@ def test_a_motion_is_divided_once_where_its_slides_turn_together(monkeypatch):
     motion, t0, t1 = turning.divided(whole)
     assert motion.tolist() == [0, 0, 0]
     assert t0.tolist() == [0.0, 0.5, 0.75] and t1.tolist() == [0.5, 0.75, 1.0]
+
+
+@pytest.mark.parametrize("turns", ["", "P2", "P3"])
+@pytest.mark.parametrize("way", ["G2 X40 Y-20 I0 J-20", "G3 X0 Y-20 I0 J-20"])
+def test_an_arc_of_several_turns_turns_back_in_each(tmp_path, turns, way):
+    """From a quadrant to another one: the first time round it passes the place where it ends, and
+    turns back there like elsewhere (it was led straight on, 20 mm aside)."""
+    m = machine(tmp_path / "m", backlash("X", 6.0) + backlash("Y", 6.0))
+    _, verifier = corrected(m, f"G0 X0 Y0 Z0\nG1 X20 F500\n{way} {turns}\nG1 X60\nM2\n", 3)
+    assert verifier.passed and verifier.corrected.slide < 1.5 * UM

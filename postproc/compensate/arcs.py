@@ -98,11 +98,9 @@ def turning_points(
     # the axis that is at its extreme there
     axis = np.where(index % 2 == 0, arcs.first[arc], arcs.second[arc])
     place = points(arcs, start, target, arc, t)[axis, np.arange(len(arc))]
-    deep = np.abs(place - start[axis, arc]) > SHALLOWEST
-    deep &= np.abs(place - target[axis, arc]) > SHALLOWEST
-    # the far end may lie at the same place by going round
-    whole = np.abs(arcs.sweep[arc]) > 1.5 * np.pi
-    first = np.concatenate([[True], arc[1:] != arc[:-1]])
-    final = np.concatenate([arc[1:] != arc[:-1], [True]]) if len(arc) else first[:0]
-    deep |= whole & ~(first[: len(arc)] | final)
+    deep = np.ones(len(arc), bool)
+    for end, way in ((start, t), (target, 1 - t)):
+        # by going round it may come to the same place farther away
+        near = np.abs(arcs.sweep[arc]) * way < np.pi / 4
+        deep &= ~near | (np.abs(place - end[axis, arc]) > SHALLOWEST)
     return arc[deep], t[deep]
