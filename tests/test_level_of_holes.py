@@ -164,6 +164,15 @@ def test_behind_holes_whose_r_is_the_initial_level_z_stands_there_as_written(dia
     assert broken(Case(text.replace("|", "\n").encode(), dialect, "two-way")) == ""
 
 
+@pytest.mark.parametrize("dialect", ["linuxcnc", "fanuc-mill", "haas", "centroid"])
+def test_behind_a_hole_that_bends_the_others_bear_as_they_were_held(dialect):
+    """X and Y are held for the middle of what corrects them down the hole, not for what corrects
+    them at its middle: where the two lay apart, X turned back unseen (5.2 um left)."""
+    hole = "G98 G81 X170. Y23. Z-25. R2. F100|G80|G0 Z11.|X57.|G1 Z-17.|"
+    text = f"G21 G17 G90|M3 S500|G0 X83. Y27. Z27.|{hole}"
+    assert broken(Case(text.replace("|", "\n").encode(), dialect, "two-way")) == ""
+
+
 # blocks with a G33.1, and the line at which they are refused
 TAPS = {
     "G33.1 Z-3. K1.|G19|X0": 6,

@@ -78,6 +78,7 @@ class Batch(Columns):
             self.reached = self.end_nominal.copy()
             middle = (m.holes.level + m.holes.bottom) / 2 / TICKS_PER_MM
             self.reached[m.holes.axis, self.hole] = middle
+        self.downs = {}
         self.sure = np.empty(len(self.motion), bool)
         self.sure[:1], self.sure[1:] = self.carry.sure, self.sure_after[:-1]
         if self.leaps:

@@ -42,6 +42,7 @@ class Columns:
     turns: np.ndarray
     known_before: np.ndarray
     hole: np.ndarray
+    downs: dict[tuple[int, bytes], tuple[np.ndarray, np.ndarray]]
     reached: np.ndarray
     jumps: np.ndarray
     sure: np.ndarray

@@ -12,32 +12,17 @@ not every control says where it goes back to from there.
 from __future__ import annotations
 
 import itertools
-from typing import NamedTuple
 
 import numpy as np
 
 from postproc.compensate.batch import Batch
+from postproc.compensate.depths import axis_of, depths, down, weights
 from postproc.compensate.inverse import command
 from postproc.compensate.known import known
 from postproc.compensate.settings import Settings
 from postproc.errors import MotionFault, Notice
-from postproc.machine.model import Machine
-from postproc.machine.tip import TipMachine
-from postproc.motions import Holes, Motions
+from postproc.motions import Motions
 from postproc.units import TICKS_PER_MM, UM
-
-DEPTHS = 33  # places down a hole that lies along no slide
-
-
-class Axis(NamedTuple):
-    """A hole's axis. across: rows of the axes that are held; middle (len(across),): mm that
-    corrects them for the middle; bend: mm that the axis stays off that middle; depth: mm that
-    corrects the bottom."""
-
-    across: list[int]
-    middle: np.ndarray
-    bend: float
-    depth: float
 
 
 def settle(b: Batch) -> None:
@@ -49,10 +34,8 @@ def settle(b: Batch) -> None:
     free = b.free[holes.motion]
     for k in map(int, np.flatnonzero(free)):
         i, row = int(b.hole[k]), int(holes.axis[k])
-        target = _depth(b.machine, holes, k, b.end_nominal[:, i])
-        weight = _weight(b.c.follows, holes, k, b.weight_end[:, i : i + 1], target.shape[1])
-        exact = command(b.machine, target, weight, np.full(target.shape[1], holes.motion[k]))
-        across, middle, bend, depth = _axis(b.machine, exact, target, row)
+        target, exact = down(b, k, b.weight_end[:, i : i + 1])
+        across, middle, bend, depth = axis_of(b.machine, exact, target, row)
         stands = (b.end[:, i - 1] if i else b.carry.issued)[across]
         if not holes.place[k]:  # the tap goes straight down from there
             off = exact[across] - stands[:, None] / TICKS_PER_MM
@@ -133,14 +116,14 @@ def straight(c: Settings, m: Motions, tolerance: float) -> bool:
         row = int(holes.axis[k])
         if not there[motion]:
             return False
-        target = _depth(c.machine, holes, k, m.target[:, motion] / TICKS_PER_MM)
+        target = depths(c.machine, holes, k, m.target[:, motion] / TICKS_PER_MM)
         deep = abs(target[row, -1] - target[row, 0])
         sides = _sides(c, row)
         each, count = target.shape[1], target.shape[1] * sides.shape[1]
-        wanted, weight = np.tile(target, sides.shape[1]), _weight(c.follows, holes, k, sides, each)
+        wanted, weight = np.tile(target, sides.shape[1]), weights(c.follows, holes, k, sides, each)
         exact = command(c.machine, wanted, weight, np.full(count, motion))
         for first in range(0, count, each):
-            axis = _axis(c.machine, exact[:, first : first + each], target, row)
+            axis = axis_of(c.machine, exact[:, first : first + each], target, row)
             if axis.bend >= tolerance or 2 * abs(axis.depth) >= deep:
                 return False
     return True
@@ -153,35 +136,3 @@ def _sides(c: Settings, row: int) -> np.ndarray:
     if rows:
         sides[rows] = np.array(list(itertools.product((-1.0, 1.0), repeat=len(rows)))).T
     return sides
-
-
-def _axis(machine: Machine, exact: np.ndarray, target: np.ndarray, row: int) -> Axis:
-    """Of the (A, K) mm commanded and wanted down a hole along axis `row`."""
-    across = [r for r in machine.corrected if r != row]
-    aside = (exact - target)[across]
-    low, high = aside.min(axis=1, initial=np.inf), aside.max(axis=1, initial=-np.inf)
-    bend = float(np.linalg.norm((high - low) / 2)) if across else 0.0
-    return Axis(across, (low + high) / 2, bend, float(exact[row, -1] - target[row, -1]))
-
-
-def _depth(machine: Machine, holes: Holes, k: int, place: np.ndarray) -> np.ndarray:
-    """(A, K) mm down hole k at `place` (A,), from R to the bottom with every node between."""
-    row = int(holes.axis[k])
-    top, bottom = holes.level[k] / TICKS_PER_MM, holes.bottom[k] / TICKS_PER_MM
-    inner = np.unique(np.concatenate([np.zeros(0), *machine.knots.get(machine.letters[row], [])]))
-    if isinstance(machine, TipMachine):  # it passes nodes of several slides: looked at all along
-        inner = np.linspace(min(top, bottom), max(top, bottom), DEPTHS)
-    inner = inner[(inner > min(top, bottom)) & (inner < max(top, bottom))]
-    depth = np.concatenate([[top], inner if bottom > top else inner[::-1], [bottom]])
-    target = np.repeat(place[:, None], len(depth), axis=1)
-    target[row] = depth
-    return target
-
-
-def _weight(follows: bool, holes: Holes, k: int, sides: np.ndarray, count: int) -> np.ndarray:
-    """(A, S * count) approach at `count` places down hole k: `sides` (A, S), but for the axis that
-    drills."""
-    weight = np.repeat(sides, count, axis=1)
-    if follows:
-        weight[holes.axis[k]] = np.sign(holes.bottom[k] - holes.level[k])
-    return weight

@@ -19,6 +19,7 @@ from postproc.compensate import levels
 from postproc.compensate.approach import Sides, bear, hold_last, ramp
 from postproc.compensate.columns import Columns
 from postproc.compensate.cutter import commands
+from postproc.compensate.depths import axis_of, down
 from postproc.flags import all_of, any_of
 from postproc.machine.tip import TipMachine
 from postproc.motions import RAPID
@@ -133,6 +134,8 @@ class Course:
         nothing up."""
         b = self.b
         exact = self.commands(at, side)
+        if len(b.hole):
+            self._down(at, side, exact)
         begin = np.empty(side.shape, np.int64)
         begin.fill(NOWHERE)
         turned = ~b.sure.take(at)
@@ -148,6 +151,17 @@ class Course:
         if len(b.hole):
             self._up(at, side, exact, end)
         return exact, begin, end
+
+    def _down(self, at: np.ndarray, side: np.ndarray, exact: np.ndarray) -> None:
+        """The others are held over the depth of a hole, for the middle of what corrects them along
+        it: in `exact` (A, K) of strokes `at` (K,) for sides (T, K)."""
+        b, holes = self.b, self.b.m.holes
+        which = (holes.place & b.free[holes.motion]).nonzero()[0]
+        for k in which[np.isin(b.hole[which], at)].tolist():
+            n = at.searchsorted(b.hole[k])
+            target, found = down(b, k, self.spread(side[:, n : n + 1]))
+            axis = axis_of(b.machine, found, target, int(holes.axis[k]))
+            exact[axis.across, n] = b.end_nominal[axis.across, b.hole[k]] + axis.middle
 
     @cached_property
     def back(self) -> np.ndarray:
