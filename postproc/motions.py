@@ -78,12 +78,13 @@ class Holes:
 
     motion (n,): which motion. axis (n,): row of the axis that drills. bottom, level (n,): ticks,
     machine coordinates, of the bottom and of R. zero (n,): ticks, where the bottom's word counts
-    from. word (n,): index of that word, -1 where it is not written; initial (n,): whether the axis
-    returns to where it was before the cycle, else to R. flush (n,): whether that is R itself, and R
-    may come to lie no higher, since the control is not known to go back to R then; level_word (n,):
-    index of its word, -1 elsewhere and where it is not written. tap (n,): whether its feed is tied
-    to the spindle, so that it can not be written out; place (n,): whether the cycle goes to its
-    place, else the axes stand there already.
+    from. word (n,): index of that word, -1 where it is not written; first (n,): whether no hole of
+    its cycle comes before it. initial (n,): whether the axis returns to where it was before the
+    cycle, else to R; higher (n,): whether R lies there too, and it returns to the higher of both.
+    flush (n,): whether R lies there, and may come to lie no higher, since the control is not known
+    to go back to R then; level_word (n,): index of its word, -1 elsewhere and where it is not
+    written. tap (n,): whether its feed is tied to the spindle, so that it can not be written out;
+    place (n,): whether the cycle goes to its place, else the axes stand there already.
     """
 
     motion: np.ndarray
@@ -92,7 +93,9 @@ class Holes:
     level: np.ndarray
     zero: np.ndarray
     word: np.ndarray
+    first: np.ndarray
     initial: np.ndarray
+    higher: np.ndarray
     flush: np.ndarray
     level_word: np.ndarray
     tap: np.ndarray
@@ -160,7 +163,7 @@ def no_holes() -> Holes:
     """None."""
     i = np.zeros(0, np.int64)
     no = i.astype(bool)
-    return Holes(i, i, i, i, i, i, no, no, i, no, no)
+    return Holes(i, i, i, i, i, i, no, no, no, no, i, no, no)
 
 
 @cache

@@ -164,6 +164,33 @@ def test_behind_holes_whose_r_is_the_initial_level_z_stands_there_as_written(dia
     assert broken(Case(text.replace("|", "\n").encode(), dialect, "two-way")) == ""
 
 
+@pytest.mark.parametrize("dialect", ["linuxcnc", "mach3", "grblhal"])
+@pytest.mark.parametrize("block", ["G80", "X67. Y-8.|X79.|G80", "G99 X30.|G98 X50. R2.|G80"])
+def test_where_r_is_the_initial_level_these_go_back_to_the_higher_one(dialect, block):
+    """NIST RS274/NGC 3.5.16: no lower than R. Z3. was sent higher than R3., and taken to stand at
+    R (4.3 um of play left)."""
+    text = f"G0 X100. Y20. Z3.|G98 G81 X20. Y-14. Z-9. R3. F100|{block}|G1 X25. F100|Z2.9|X30.|"
+    case = Case(("G21 G17 G90|M3 S500|" + text).replace("|", "\n").encode(), dialect, "two-way")
+    assert broken(case) == ""
+
+
+@pytest.mark.parametrize("dialect", ["linuxcnc", "fanuc-mill", "centroid", "smoothie"])
+def test_behind_holes_at_r_g98_goes_back_to_where_the_cycle_began(dialect):
+    """As high as R, and not where the hole before it ended (4.3 um of play left)."""
+    text = "G0 X100. Y20. Z3.|G98 G81 X20. Y-14. Z-9. R3. F100|G99 X30.|G98 X50.|G80|G1 X25.|"
+    text = f"G21 G17 G90|M3 S500|{text}Z2.9|X30.|"
+    assert broken(Case(text.replace("|", "\n").encode(), dialect, "two-way")) == ""
+
+
+def test_r_goes_down_to_where_the_tool_comes_to_stand_in_any_cut():
+    """It rests at X27.; R of the second hole went where it would stand if it did not (0.3 um)."""
+    text = (
+        "G21 G17 G90|M3 S500|G0 X170. Y-55. Z7.|G0 Z4. F100|G99 G81 X91. Y40. Z-6. R4. F100|G0"
+        " X176.|G0 X27.|G99 G81 X34. Y0. Z-6. R4. F100|X136. Y-12. R4.|G80|G0 Z4.|G1 Z-12.|"
+    )
+    assert broken(Case(text.replace("|", "\n").encode(), "smoothie", "one-way")) == ""
+
+
 @pytest.mark.parametrize("dialect", ["linuxcnc", "fanuc-mill", "haas", "centroid"])
 def test_behind_a_hole_that_bends_the_others_bear_as_they_were_held(dialect):
     """X and Y are held for the middle of what corrects them down the hole, not for what corrects

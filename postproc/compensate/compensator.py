@@ -178,7 +178,8 @@ class Compensator(Settings):
         self, motions: Motions, carry: Carry, span: tuple[float, float] = WHOLE
     ) -> tuple[Pieces, Carry, list[Notice]]:
         """span: from where to where in t, of one motion."""
-        if self.follows and len(cuts := _before_holes(motions)):
+        goes_back = self.follows or motions.holes.flush.any() or motions.holes.higher.any()
+        if goes_back and len(cuts := _before_holes(motions)):
             return self._in_parts(motions, carry, cuts)
         b = self._worked_out(motions, carry, span)
         if self.options.passes_unknown and limits.at_stop(b).any():

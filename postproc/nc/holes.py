@@ -70,7 +70,7 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
     if not any_of(mask):
         return None
     planes = np.broadcast_to(b.held("plane"), b.n)
-    cycle = b.state.cycle
+    cycle, begins = b.state.cycle, False
     letter, of_lathe = _axis_of(b, int(np.argmax(mask)), motion, planes)
     if letter not in b.rows:
         b.blame(
@@ -83,7 +83,7 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
     taps = b.dialect.there_and_back[np.maximum(motion, 0)[mask]].any()
     if cycle is None or cycle.letter != letter or taps:
         initial, known = int(b.state.position[row]), bool(b.state.known[row])
-        cycle = Cycle(letter, initial=initial, known=known)
+        cycle, begins = Cycle(letter, initial=initial, known=known), True
     absolute = np.broadcast_to(b.held("distance"), b.n) != 910
     if taps:
         return _there_and_back(b, mask, motion, letter, cycle, absolute, axis_words)
@@ -126,11 +126,15 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
     # without R it goes back to where it stood, which is R level too
     initial = back & (cycle.initial > level) | (~named & (not of_lathe))
     _blame(b, holes, has_level, has_bottom, level, bottom, letter)
-    flush = None
-    if cycle.known and not of_lathe and not b.dialect.returns_no_lower:
-        b.blame(holes[(back & named & (cycle.initial < level))[holes]], SUNK, SUNK_ADVICE)
-        flush = (named & absolute & (cycle.initial == level))[holes]
-        initial |= back & named & absolute & (cycle.initial == level)
+    flush = higher = None
+    if cycle.known and not of_lathe:
+        even = named & absolute & (cycle.initial == level)
+        initial |= back & even
+        if b.dialect.returns_no_lower:
+            higher = (back & even)[holes]
+        else:
+            b.blame(holes[(back & named & (cycle.initial < level))[holes]], SUNK, SUNK_ADVICE)
+            flush = even[holes]
     own = word_column(b, level_word)
     first = int(np.argmax(mask))
     begun = None if absolute[first] and _called(b, first) else cycle.absolute
@@ -149,7 +153,7 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
         target=np.where(initial, cycle.initial, level)[holes], bottom=bottom[holes],
         level=level[holes], zero=np.where(absolute, offset, level)[holes], word=word[holes],
         initial=initial[holes], code=motion[holes], known=cycle.known, after=after,
-        flush=flush, level_word=own[holes],
+        begins=begins, higher=higher, flush=flush, level_word=own[holes],
     )  # fmt: skip
 
 
@@ -288,7 +292,8 @@ def holes_of(b: Batch, cycle: InCycle | None, block: np.ndarray, start: np.ndarr
     if cycle is None or not len(cycle.blocks):
         return no_holes()
     motion, code = np.searchsorted(block, cycle.blocks), cycle.code
-    flush = np.zeros(len(motion), bool) if cycle.flush is None else cycle.flush
+    no = np.zeros(len(motion), bool)
+    flush = no if cycle.flush is None else cycle.flush
     away = flush & (start[cycle.row, motion] != cycle.level)  # it stands at another R
     flush = flush & ~away
     back = np.broadcast_to(b.held("return"), b.n)[cycle.blocks] != 990
@@ -297,6 +302,8 @@ def holes_of(b: Batch, cycle: InCycle | None, block: np.ndarray, start: np.ndarr
     return Holes(
         motion=motion, axis=np.full(len(motion), cycle.row), bottom=cycle.bottom, level=cycle.level,
         zero=cycle.zero, word=cycle.word, initial=cycle.initial, flush=flush,
+        first=(np.arange(len(motion)) == 0) & cycle.begins,
+        higher=no if cycle.higher is None else cycle.higher,
         level_word=np.where(flush, level_word, -1), tap=b.dialect.is_tap[code],
         place=~b.dialect.there_and_back[code],
     )  # fmt: skip

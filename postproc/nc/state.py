@@ -185,8 +185,8 @@ def ticks_of(setup: Setup, place: dict[str, float]) -> np.ndarray:
 class InCycle:
     """The blocks of a segment that a cycle holds: `blocks` (k,) those with a hole, `mask` (B,) all
     of them, and per hole (k,) the ticks where the axis ends up, the bottom, R, the zero of the
-    bottom's word, that word, whether the axis goes back to the initial level, and `flush` and
-    `level_word` of Holes."""
+    bottom's word, that word, whether the axis goes back to the initial level, and `higher`, `flush`
+    and `level_word` of Holes. begins: whether the cycle does."""
 
     letter: str
     row: int
@@ -201,5 +201,7 @@ class InCycle:
     code: np.ndarray
     known: bool
     after: Cycle | None
+    begins: bool = True
+    higher: np.ndarray | None = None
     flush: np.ndarray | None = None
     level_word: np.ndarray | None = None
