@@ -4,6 +4,7 @@ rest is said."""
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -134,6 +135,36 @@ def test_a_thread_that_nothing_leads_to_is_named():
     assert not verifier.passed
     assert verifier.at_line([2])
     assert not verifier.at_line([1, 3])
+
+
+# behind G0 X60. Z120., the blocks, and the line of the thread that begins off
+TURNS = {
+    "a taper behind a rapid in -": ("G0 X40. Z100.|G32 X44. Z50. F2.", 3),
+    "a taper in the chain": ("G0 X40. Z100.|G32 Z50. F2.|X36. Z40.|X44. Z30.", 5),
+    "a taper behind a rapid in +": ("G0 X30.|X40. Z100.|G32 X44. Z50. F2.", 0),
+    "Z alone": ("G0 X60. Z20.|X40. Z100.|G32 Z50. F2.", 0),
+}
+
+
+@pytest.mark.parametrize("case", TURNS)
+def test_a_thread_that_an_axis_turns_back_for_is_named(case):
+    """4 um of play, and no feed goes before a thread; along it the spindle says where Z stands."""
+    ends, rows = np.array([-100.0, 200.0]), {"X": 0, "Z": 2}
+    lost = {x: np.where(np.arange(6)[:, None] == k, [-0.004, -0.004], 0.0) for x, k in rows.items()}
+    tables = {x: AxisTable(x, ends, lost[x], 0 * lost[x]) for x in rows}
+    plain = lathe()
+    axes = {x: replace(axis, table=tables[x]) for x, axis in plain.axes.items()}
+    filter_ = Filter(
+        replace(plain, axes=axes), dialects.load("fanuc-lathe-a"), setup_of(plain), Options()
+    )
+    verifier = Verifier(filter_)
+    blocks, line = TURNS[case]
+    filter_.feed(f"G0 X60. Z120.\n{blocks}\nG0 X70.\n".replace("|", "\n").encode())
+    filter_.finish()
+    said = [n for n in filter_.notices if n.code == "turned"]
+    assert [n.line for n in said] == [line] * bool(line)
+    assert verifier.passed != bool(line) and verifier.in_thread >= bool(line)
+    assert not line or said[0].size == pytest.approx(verifier.corrected.deviation, rel=0.15)
 
 
 @pytest.mark.skipif(oracle.available() is not None, reason=str(oracle.available()))

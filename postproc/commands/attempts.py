@@ -202,6 +202,12 @@ def _keeps_its_tolerance(done: Attempt) -> None:
             f"a thread begins where nothing was corrected before it: {verifier.report()}",
             "nothing was written; write a motion to the start of the thread before it",
         )
+    if verifier.in_thread and any(n.code == "turned" for n in done.filter.notices):
+        raise GcompError(
+            f"an axis turns back where a thread begins: {verifier.report()}",
+            "nothing was written; lead to the start of the thread in the direction in which each"
+            " axis goes on",
+        )
     raise GcompError(
         f"verification failed: {verifier.report()}",
         "nothing was written; this is an error of gcomp: please report the program",

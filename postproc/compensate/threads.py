@@ -18,6 +18,16 @@ from postproc.errors import Notice
 from postproc.motions import THREAD
 from postproc.units import TICKS_PER_MM, UM
 
+# what is said of a thread, and what can be done
+UNLED = (
+    "a thread begins where no motion was corrected before it",
+    "lead to its start by a motion of its own",
+)
+TURNED = (
+    "an axis turns back where a thread begins, before which no feed is put in",
+    "lead to its start in the direction in which each axis goes on",
+)
+
 
 def say(b: Batch) -> None:
     """One notice of what bends between the ends of a thread that stays one block, one of what its
@@ -73,25 +83,28 @@ def say(b: Batch) -> None:
 
 
 def _say_begin(b: Batch, stroke: np.ndarray) -> None:
-    """One notice of threads that begin where nothing was corrected before, since no feed is put in
-    before a thread."""
-    stroke = stroke[~b.sure[stroke]]
-    if not len(stroke):
-        return
+    """One notice of threads that begin where nothing was corrected before, and one of those that
+    begin beside their way since an axis turns back: no feed is put in before a thread."""
     nominal = b.begin_nominal[:, stroke]
     wanted = command(b.machine, nominal, b.weight_begin[:, stroke], b.motion[stroke])
-    beside = np.linalg.norm((wanted - b.begin[:, stroke] / TICKS_PER_MM)[b.rows], axis=0)
-    worst = int(np.argmax(beside))
-    if beside[worst] > b.c.tolerance:
-        b.notices.append(
-            Notice(
-                "unled",
-                "a thread begins where no motion was corrected before it: it begins "
-                f"{beside[worst] / UM:.1f} um off; lead to its start by a motion of its own",
-                int(b.motion[stroke[worst]]),
-                float(beside[worst]),
+    off = (wanted - b.begin[:, stroke] / TICKS_PER_MM)[b.rows]
+    way = (b.end_nominal[:, stroke] - nominal)[b.rows]
+    aside = off - way * ((off * way).sum(axis=0) / np.maximum((way**2).sum(axis=0), 1e-30))
+    grid = b.m.grid[:, b.motion[stroke]].max(axis=0) / TICKS_PER_MM
+    sure = b.sure[stroke]
+    unled = np.where(sure, 0.0, np.linalg.norm(off, axis=0))
+    turned = np.where(sure, np.linalg.norm(aside, axis=0), 0.0)
+    for code, beside, allowed, said, advice in (
+        ("unled", unled, b.c.tolerance + 0 * grid, *UNLED),
+        ("turned", turned, b.c.allowed(grid), *TURNED),
+    ):
+        worst = int(np.argmax(beside))
+        if beside[worst] > allowed[worst]:
+            number = f"it begins {beside[worst] / UM:.1f} um off"
+            motion = int(b.motion[stroke[worst]])
+            b.notices.append(
+                Notice(code, f"{said}: {number}; {advice}", motion, float(beside[worst]))
             )
-        )
 
 
 def _along(b: Batch, stroke: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -20,7 +20,7 @@ from postproc.filter import Filter
 from postproc.machine.poses import axes_of
 from postproc.machine.rotary import cross
 from postproc.machine.tip import TipMachine, tool_directions
-from postproc.motions import FREE, HOLE, RAPID, SPLINE, Motions
+from postproc.motions import FREE, HOLE, RAPID, SPLINE, THREAD, Motions
 from postproc.nc.beside_corrected import LIMIT
 from postproc.nc.columns import hold_last
 from postproc.nc.interpreter import Interpreter
@@ -61,6 +61,7 @@ class Verifier(Figures):
         self.warm = Warm(filter_)
         self.machines = Machines(self.machine, self.oriented, self.warm)
         self.away = 0  # 1: the last rapid was not brought back from a tool change (see _leave)
+        self.threads = set[int]()  # their lines
         self.trace: Trace | None = None  # for who wants to draw what is measured
 
     def check(
@@ -93,6 +94,7 @@ class Verifier(Figures):
             grid = motions.grid[list(self.machine.corrected)].max()
             self.grid = max(self.grid, float(grid) / TICKS_PER_MM)
             line = self._own(first_line + words.line[motions.block] + 1)
+            self.threads.update(line[motions.code == THREAD].tolist())
             if self.trace:
                 self.trace.begin(words, motions, line, first_line)
             self._measure_both(motions, back, pieces, line)
@@ -173,6 +175,11 @@ class Verifier(Figures):
         if self.source is None:
             return lines
         return np.array([self.source(int(n))[0] for n in lines])
+
+    @property
+    def in_thread(self) -> bool:
+        """Whether the largest deviation is in a thread."""
+        return self.corrected.line in self.threads
 
     def at_line(self, lines: Iterable[int]) -> bool:
         """Whether the largest deviation is in one of these lines of what was read."""

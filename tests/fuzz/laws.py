@@ -207,8 +207,9 @@ def _cuts(text: bytes, cuts) -> Iterator[list[int]]:
 def _verified(case: Case, verifier: Watch) -> str:
     """Inside cutter radius compensation reversals are spread: there, only of maps that have none;
     blocks that lead into and out of it and threads are one piece, and bend as the map does; a
-    thread that nothing led to is said."""
-    if any(notice.code == "unled" for notice in verifier.filter.notices):
+    thread that nothing led to, and one where an axis turns back, is said."""
+    said = {notice.code for notice in verifier.filter.notices}
+    if "unled" in said or ("turned" in said and verifier.in_thread):
         return ""
     if verifier.corrected.line in verifier.whole or (verifier.beside and case.map == "two-way"):
         return ""
