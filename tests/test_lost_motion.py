@@ -156,11 +156,17 @@ def test_the_side_of_a_stroke_by_itself_is_that_of_its_last_turn():
         stays=np.array([[False, True, False, False, False, False]]),
         given=np.array([[False] * 5 + [True]]),
         sense=np.array([[0, 0, 0, 0, 0, -1]]),
+        anew=np.zeros((1, 6), bool),
     )
     before, middle = np.full((1, 6), -1), np.zeros((1, 6), np.int64)
     before[0, 4] = 1
     found = sides.Course.once(course, np.arange(6), before, middle)
     assert found.tolist() == [[1, -1, -1, 1, -1, -1]]
+    # the fifth goes on from where something else took it: 1 beyond its end, within the play
+    course.anew, course.start = (np.arange(6) == 4)[None], np.full((1, 6), -9)
+    assert sides.Course.once(course, np.arange(6), before, middle).tolist() == [
+        [1, -1, -1, 1, 0, -1]
+    ]
 
 
 def test_a_slide_behind_the_tip_has_no_side_where_it_came_from_nowhere(monkeypatch):

@@ -50,7 +50,8 @@ class Course:
 
     def _given(self) -> None:
         """Where a side is known whatever was before: a hole's axis has come up last; what comes
-        from nowhere has none."""
+        from nowhere has none. `anew` (T, S): nor has what something else (G28) has taken elsewhere,
+        until it goes on from there."""
         b, m = self.b, self.b.m
         sense, given = np.zeros(b.travel.shape, np.int64), b.forget | b.jumps
         if len(m.holes):
@@ -63,12 +64,16 @@ class Course:
             sense = np.where(b.jumps | led, np.sign(b.turns), sense)
             given = given | led
         self.sense, self.given = sense.take(self.rows, axis=0), given.take(self.rows, axis=0)
+        self.anew = (b.jumps & ~b.forget).take(self.rows, axis=0)
+        if any_of(self.anew):
+            self.start = b.m.start.take(self.rows, axis=0).take(b.motion, axis=1)
         stays = b.left if b.every else ~b.of(m.target_known) | b.left
         # Where forward lies beyond reverse an axis turns by being led beyond its place and back,
         # which no rapid does.
         if any_of(b.c.overshoots):
             stays = stays | (b.travel == 0) & (b.code == RAPID) & b.c.overshoots[:, None]
         self.stays = stays.take(self.rows, axis=0) & ~self.given
+        self.ramped, self.given = self.given, self.given & ~self.anew
 
     def _begin(self) -> Sides:
         """The carry of these rows; an axis that has not stood anywhere yet begins where its first
@@ -192,6 +197,9 @@ class Course:
         """(T, K) the side of each stroke `at` (K,) by itself, from side and state (T, K) before
         it."""
         half, r, led = (self.band // 2)[:, None], middle, before
+        if any_of(self.anew):
+            anew = self.anew.take(at, axis=1)
+            r, led = np.where(anew, self.start.take(at, axis=1), r), np.where(anew, 0, led)
         begin, end = self.begin.take(at, axis=1), self.end.take(at, axis=1)
         stays = self.stays.take(at, axis=1)
         for where, here in ((begin, begin != NOWHERE), (end, True)):
@@ -204,22 +212,22 @@ class Course:
         """(T, S) side and state behind each stroke, of wanted places at begins and ends."""
         begin, end = self.begin, self.end
         self.twice = np.zeros(end.shape, bool)
-        if not any_of(begin != NOWHERE):
+        anew = any_of(self.anew)
+        if not (anew or any_of(begin != NOWHERE)):
             return bear(end, self.band, self.sense, self.given, self.stays, self.carry)
         none = np.zeros_like(self.given)
-        pairs = (
-            (begin, end),
-            (self.sense, self.sense),
-            (none, self.given),
-            (begin == NOWHERE, none),
-        )
+        # of each stroke: place, sense, given, stays, where it begins and where it ends
+        steps = [(begin, self.sense, none, begin == NOWHERE), (end, self.sense, self.given, none)]
+        if anew:
+            steps.insert(0, (self.start, 0 * self.sense, self.anew, ~self.anew))
+        n = len(steps)
         place, sense, given, stays = (
-            np.stack(p, axis=2).reshape(len(self.rows), -1) for p in pairs
+            np.stack(p, axis=2).reshape(len(self.rows), -1) for p in zip(*steps, strict=True)
         )
-        stays |= np.repeat(self.stays, 2, axis=1)
+        stays |= np.repeat(self.stays, n, axis=1)
         side, middle = bear(place, self.band, sense, given, stays, self.carry)
-        self.twice = (side[:, ::2] != side[:, 1::2]) & (begin != NOWHERE) & ~self.given
-        return side[:, 1::2], middle[:, 1::2]
+        self.twice = (side[:, n - 2 :: n] != side[:, n - 1 :: n]) & (begin != NOWHERE) & ~self.given
+        return side[:, n - 1 :: n], middle[:, n - 1 :: n]
 
     def settle(self) -> None:
         """Decide side, middle, exact and behind: first all strokes as the nominal motion leads
@@ -367,7 +375,7 @@ def _ramps(
     rows, reach = course.rows, b.c.reach[course.rows]
     rests = (course.travel == 0) & ~course.stays & (b.c.mode == "ramp")
     value = np.where(rests, course.side, course.sense) * reach[:, None]
-    taken = ramp(course.travel, course.given | rests, value, reach, course.carry.taken)
+    taken = ramp(course.travel, course.ramped | rests, value, reach, course.carry.taken)
     before = np.where(rests, taken, course.before(taken, course.carry.taken))
     unit = 1.0 / np.maximum(reach, 1)[:, None]
     begin, end = side.copy(), side.copy()
