@@ -17,6 +17,7 @@ from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
+from fuzz.cases import Case, filter_of
 from test_arc_words import ZERO, random_arcs
 
 from postproc.compensate import Options, fit, prove, samples, stretches
@@ -24,7 +25,8 @@ from postproc.compensate.arcs import direction, height, points, quadrants
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
-from postproc.units import TICKS_PER_MM
+from postproc.units import TICKS_PER_MM, UM
+from postproc.verify import Verifier
 from tests.small_machines import write_mill
 
 pytestmark = pytest.mark.usefixtures("both_ways")
@@ -290,7 +292,7 @@ def test_what_hides_between_samples_by_hand(monkeypatch, third):
     arcs = SimpleNamespace(sweep=np.array([2.0]), radius=np.ones(1), radius_end=np.ones(1))
     f = SimpleNamespace(
         arcs=arcs, plain=np.ones(1, bool), total=0.001, tolerance=0.0007, tolerance_across=0.0007,
-        machine=SimpleNamespace(bounds=SimpleNamespace(kink=1e-6)),
+        machine=SimpleNamespace(bounds=SimpleNamespace(kink=1e-6)), beside=np.zeros(1),
     )  # fmt: skip
     one = np.zeros(1)
     rows = type("Rows", (), {"__len__": lambda self: 1})()
@@ -304,3 +306,16 @@ def test_what_hides_between_samples_by_hand(monkeypatch, third):
     assert found.parts.tolist() == [parts]
     remainder = (2.0 / parts) ** 3 * third / (9 * math.sqrt(3))
     assert found.rest.tolist() == pytest.approx([remainder + 0.001 / 64])
+
+
+@pytest.mark.parametrize(
+    "blocks", ["G3 X97.1945 Y37.5840 Z1.992 I.0221 J.0062", "G2 X97.1945 Y37.5844 Z1.992 R.05"]
+)
+def test_a_short_arc_of_a_long_way_beside_its_plane_is_no_chord(blocks):
+    """0.2 um of an arc, and 13 mm of Z, past a node: it became one straight line (3.3 um left)."""
+    text = f"G90 G17 G21\nG0 X97.1945 Y37.5842 Z15.\n{blocks} F50\nG1 X0.\nM30\n".encode()
+    filter_ = filter_of(Case(text, "fanuc-mill", "one-way"))
+    verifier = Verifier(filter_)
+    filter_.feed(text)
+    filter_.finish()
+    assert verifier.passed and verifier.corrected.deviation < 0.6 * UM, verifier.report()

@@ -90,6 +90,14 @@ class Fitter:
         return moves
 
     @cached_property
+    def beside(self) -> np.ndarray:
+        """(n,) mm that arcs go along the axis that moves farthest beside their planes."""
+        way, every = np.abs(self.target - self.start), np.arange(len(self.arcs))
+        way[self.arcs.first, every] = way[self.arcs.second, every] = 0.0
+        farthest: np.ndarray = way.max(axis=0)
+        return farthest
+
+    @cached_property
     def grown(self) -> np.ndarray:
         """(n,) mm by which the radius grows along arcs."""
         grown: np.ndarray = self.arcs.radius_end - self.arcs.radius
@@ -103,8 +111,8 @@ class Fitter:
         return tuple(bool(np.count_nonzero(column)) for column in each)  # type: ignore[return-value]
 
     def short(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
-        """(R,) parts not to be cut again: shorter than the control resolves well, and flatter
-        than a share of the tolerance."""
+        """(R,) parts not to be cut again: shorter than the control resolves well, also beside the
+        plane or so that next to nothing bends there; and flatter than a share of the tolerance."""
         sweep = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0))
         radius = self.arcs.radius[rows.arc]
         sagitta = radius * height(np.minimum(sweep, np.pi))
@@ -112,4 +120,6 @@ class Fitter:
             sweep * radius
             < SHORTEST * self.arcs.grid.take(rows.arc, axis=1).max(axis=0) / TICKS_PER_MM
         )
+        beside = self.beside[rows.arc] * (rows.t1 - rows.t0)
+        tiny &= self.machine.bounds.kink * beside / 4 < self.tolerance / 8
         return tiny, sagitta < self.tolerance / 8

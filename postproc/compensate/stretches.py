@@ -63,7 +63,7 @@ def stretches(f: Fitter, rows: Rows) -> Stretches:
     radius = np.maximum(arcs.radius, arcs.radius_end)[arc]
     # Nodes so near to one another, or to an end, that next to nothing bends between them.
     near = f.total * SHARE / 4 / max(f.machine.bounds.kink, 1e-12)
-    near = near / np.maximum(radius * sweep, 1e-9)
+    near = near / np.maximum(np.maximum(radius * sweep, f.beside[arc]), 1e-9)
     shift = _ends(f, rows)
     passed = _crossings(f, rows, shift) if plain.any() else []
     owner = np.concatenate([np.arange(len(rows)), *(o for o, _ in passed)])
