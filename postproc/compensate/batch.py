@@ -78,7 +78,6 @@ class Batch(Columns):
             self.reached = self.end_nominal.copy()
             middle = (m.holes.level + m.holes.bottom) / 2 / TICKS_PER_MM
             self.reached[m.holes.axis, self.hole] = middle
-        self.downs = {}
         self.sure = np.empty(len(self.motion), bool)
         self.sure[:1], self.sure[1:] = self.carry.sure, self.sure_after[:-1]
         if self.leaps:
@@ -101,7 +100,8 @@ class Batch(Columns):
         # A motion that is left as it is moves the axes that it names; the others stay where they
         # were sent last.
         self.moved = free = self.of(self.free)
-        self.sure_after = free & (self.code != HOLE) if len(m.holes) else free
+        sure = free & (self.code != HOLE) if len(m.holes) else free
+        self.sure_after = sure & ~cutter.leaves_at_rest(self) if self.inside else sure
         # Strokes before which lost motion may be taken up.
         self.cutting = free & CUTS.take(self.code)
         if self.inside:

@@ -42,7 +42,6 @@ class Columns:
     turns: np.ndarray
     known_before: np.ndarray
     hole: np.ndarray
-    downs: dict[tuple[int, bytes], tuple[np.ndarray, np.ndarray]]
     reached: np.ndarray
     jumps: np.ndarray
     sure: np.ndarray
@@ -72,6 +71,7 @@ class Columns:
         self.machine, self.options = settings.machine, settings.options
         self.rows, self.fixed = settings.rows, settings.fixed
         self.notices: list[Notice] = []
+        self.downs: dict[tuple[int, bytes], tuple[np.ndarray, np.ndarray]] = {}  # of holes
         motions.recall(self, settings, self._whole)
 
     def _whole(self) -> None:

@@ -145,6 +145,17 @@ def leash(b: Columns) -> np.ndarray | None:
     return result
 
 
+def leaves_at_rest(b: Columns) -> np.ndarray:
+    """(S,) bool: strokes that lead out and rest in the plane, where nothing is corrected then."""
+    m, rests = b.m, np.ones(len(b.motion), bool)
+    for row in m.plane:
+        rests &= b.travel[row[b.motion], np.arange(len(rests))] == 0
+    leaves: np.ndarray = ((m.cutter == ENTRY) & (m.radius == 0) & (m.plane >= 0).all(axis=0))[
+        b.motion
+    ]
+    return leaves & rests
+
+
 def _room(b: Columns, arc: np.ndarray, way: np.ndarray) -> np.ndarray:
     """(K,) ticks by which the ends of arcs may move apart, so that a tool on their inside that fits
     still fits."""
