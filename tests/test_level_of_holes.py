@@ -58,6 +58,17 @@ def test_r_goes_down_with_the_tool_only_where_the_tool_stands_at_it(high, cut):
         sent(high, text.format("G98 "), "fanuc-mill", cut)
 
 
+@pytest.mark.parametrize("cut", range(4, 9))
+def test_g98_at_an_r_that_did_not_go_down_with_the_tool_is_refused(high, cut):
+    """R3. was named where the tool stood at R2., and stays; a hole later Z3. comes to lie below it.
+    It was called an error of gcomp, by --verify alone."""
+    text = HEAD + "G99 G81 X1. Y1. Z-5. R2. F100|X2. R3.|{}|G80|M30"
+    lines = sent(high, text.format("X4."), "fanuc-mill", cut)
+    assert [x.split("R")[1].split()[0] for x in lines if "R" in x] == ["2.", "3."]
+    with pytest.raises(ProgramError, match=":7: a cycle in G98 whose R lies above the level"):
+        sent(high, text.format("G98 X4."), "fanuc-mill", cut)
+
+
 @pytest.mark.parametrize("level", ["2.", "3.0001"])
 def test_another_r_stays_as_written(high, level):
     if float(level) > 3:

@@ -16,10 +16,11 @@ import numpy as np
 from postproc.flags import any_of
 from postproc.motions import Holes, no_holes
 from postproc.nc.batch import AxisWords, Batch
-from postproc.nc.columns import hold_index
+from postproc.nc.columns import hold_index, hold_last
 from postproc.nc.positions import Places
 from postproc.nc.queries import tell, word_column, words_of
 from postproc.nc.state import Cycle, InCycle
+from postproc.records import replace
 
 NONE = np.zeros(0, np.int64)
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
@@ -147,13 +148,13 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
     if mask[-1]:  # it goes on in the next batch
         held = int(level[-1]) if has_level[-1] else None
         deep = int(bottom[-1]) if has_bottom[-1] else None
-        after = Cycle(letter, held, deep, cycle.initial, cycle.known, stored, begun)
+        after = Cycle(letter, held, deep, cycle.initial, cycle.known, stored, begun, cycle.away)
     return InCycle(
         letter=letter, row=row, mask=mask, blocks=holes,
         target=np.where(initial, cycle.initial, level)[holes], bottom=bottom[holes],
         level=level[holes], zero=np.where(absolute, offset, level)[holes], word=word[holes],
         initial=initial[holes], code=motion[holes], known=cycle.known, after=after,
-        begins=begins, higher=higher, flush=flush, level_word=own[holes],
+        begins=begins, away=cycle.away, higher=higher, flush=flush, level_word=own[holes],
     )  # fmt: skip
 
 
@@ -297,8 +298,12 @@ def holes_of(b: Batch, cycle: InCycle | None, block: np.ndarray, start: np.ndarr
     away = flush & (start[cycle.row, motion] != cycle.level)  # it stands at another R
     flush = flush & ~away
     back = np.broadcast_to(b.held("return"), b.n)[cycle.blocks] != 990
-    b.blame(cycle.blocks[away & back], SUNK, SUNK_ADVICE)  # its correction may make it so
     level_word = np.full(len(motion), -1) if cycle.level_word is None else cycle.level_word
+    held = hold_last(np.where(level_word >= 0, away, -1), cycle.away) > 0
+    # its correction may make it so, and R does not go down with it
+    b.blame(cycle.blocks[(away | flush & held) & back], SUNK, SUNK_ADVICE)
+    if cycle.after is not None:
+        b.cycle = replace(cycle, after=replace(cycle.after, away=bool(held[-1])))
     return Holes(
         motion=motion, axis=np.full(len(motion), cycle.row), bottom=cycle.bottom, level=cycle.level,
         zero=cycle.zero, word=cycle.word, initial=cycle.initial, flush=flush,

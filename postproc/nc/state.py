@@ -97,8 +97,8 @@ def no_frame(axes: int) -> Frame:
 class Cycle:
     """What a canned cycle keeps from block to block: the axis that drills, where R and the bottom
     lie on it (ticks, machine coordinates, None: never said), the initial level, whether that is
-    known, the letter whose 0 has stored words for the next hole, and whether its first hole was in
-    G90 (None: there was none)."""
+    known, the letter whose 0 has stored words for the next hole, whether its first hole was in G90
+    (None: there was none), and whether R was named where the tool stood at another level."""
 
     letter: str
     level: int | None = None
@@ -107,6 +107,7 @@ class Cycle:
     known: bool = False
     stored: str = ""
     absolute: bool | None = None
+    away: bool = False
 
 
 @record
@@ -186,7 +187,7 @@ class InCycle:
     """The blocks of a segment that a cycle holds: `blocks` (k,) those with a hole, `mask` (B,) all
     of them, and per hole (k,) the ticks where the axis ends up, the bottom, R, the zero of the
     bottom's word, that word, whether the axis goes back to the initial level, and `higher`, `flush`
-    and `level_word` of Holes. begins: whether the cycle does."""
+    and `level_word` of Holes, `away` of Cycle. begins: whether the cycle does."""
 
     letter: str
     row: int
@@ -202,6 +203,7 @@ class InCycle:
     known: bool
     after: Cycle | None
     begins: bool = True
+    away: bool = False
     higher: np.ndarray | None = None
     flush: np.ndarray | None = None
     level_word: np.ndarray | None = None
