@@ -319,3 +319,21 @@ def test_a_short_arc_of_a_long_way_beside_its_plane_is_no_chord(blocks):
     filter_.feed(text)
     filter_.finish()
     assert verifier.passed and verifier.corrected.deviation < 0.6 * UM, verifier.report()
+
+
+@pytest.mark.parametrize(
+    "blocks",
+    [
+        "G0 X125.6896 Y-32.9034 Z24.6|G3 X125.6875 Y-32.8888 Z-26. I-1.6662 J-.2325 F60",
+        "G0 X80.4264 Y39.9666 Z-27.2|G2 X80.4261 Y39.9163 Z35. I-5.7676 J0. F60",
+    ],
+)
+def test_along_a_steep_helix_the_map_turns_the_axes_of_its_plane_too(blocks):
+    """Y goes 15 or 50 um along the arc, and the map by 20 um to and fro along 50 or 60 mm of Z: it
+    was led from end to end (4.3 to 4.5 um left)."""
+    text = f"G90 G17 G21|{blocks}|G1 X20.|M30|".replace("|", "\n").encode()
+    filter_ = filter_of(Case(text, "linuxcnc", "two-way"))
+    verifier = Verifier(filter_)
+    filter_.feed(text)
+    filter_.finish()
+    assert verifier.passed and verifier.corrected.deviation < 1.5 * UM, verifier.report()

@@ -25,6 +25,7 @@ from postproc.units import TICKS_PER_MM, in_mm
 SAMPLES = (8, 64)  # of an arc, at least and at most
 PORTION = 500  # arcs looked at at once: the samples of more leave the processor's cache
 LOOKS = 17  # places on a motion of the tip at which its slides are looked at
+STEEP = 10  # the map may change by a tenth of an arc's way in its plane
 APART = 1e-9  # of a motion: closer places are one
 
 
@@ -129,8 +130,13 @@ def _induced(b: Columns) -> list[tuple[np.ndarray, np.ndarray]]:
     way = in_mm(np.abs(m.target - m.start))
     length = np.sqrt(sum(way[row] * way[row] for row in b.c.slides))
     arcs = m.arcs.motion
+    steep = np.zeros(len(arcs), bool)
     if len(arcs):
+        # of one that goes far beside its plane the map can turn the axes of the plane too
+        straight = length[arcs]
         length[arcs] = np.abs(m.arcs.sweep) * np.maximum(m.arcs.radius, m.arcs.radius_end)
+        steep = b.machine.bounds.steepest * straight > length[arcs] / STEEP
+        length[arcs[steep]] = np.maximum(length[arcs], straight)[steep]
     # mm that any deviation changes along the motion; one that turns is looked at whatever its
     # length
     most = b.machine.bounds.steepest * length
@@ -147,7 +153,7 @@ def _induced(b: Columns) -> list[tuple[np.ndarray, np.ndarray]]:
         return []
     plane = np.zeros(m.start.shape, bool)  # those turn back at quadrants
     for axes in (m.arcs.first, m.arcs.second):
-        plane[axes, m.arcs.motion] = True
+        plane[axes, m.arcs.motion] = ~steep
     sense, found = np.sign(m.target - m.start), []
     for part, places in _looked_at(b, chosen):
         owner, t, place = places(b, part, most, least)
