@@ -1,7 +1,7 @@
 """What an axis that turns back moves the others by: its straightness and angles may have been
-measured both ways, and no take-up of another axis can bring that about in the same moment. Where
-forward lies beyond reverse an axis turns by being led beyond its place and back, which no rapid
-does: of one that rests in a rapid the difference along itself counts too.
+measured both ways, and no take-up of another axis can bring that about in the same moment. Of one
+that rests in a rapid the difference along itself counts too: it turns where its correction does, in
+a motion that is not cut for it.
 """
 
 from __future__ import annotations
@@ -16,17 +16,16 @@ from postproc.verify.machines import Machines
 
 
 class Turning:
-    """The motions of a run (M), each of which stands for one `owner` (M,) of the nominal ones.
-    overshoots (A,) bool: forward lies beyond reverse. back (A, M) bool: axes that may change their
-    side in all of that nominal motion; unled (A, M) bool: those that no rapid turns."""
+    """The motions of a run (M), each of which stands for one `owner` (M,) of the nominal ones. back
+    (A, M) bool: axes that may change their side in all of that nominal motion; unled (A, M) bool:
+    those that rest in a rapid."""
 
     def __init__(
-        self, machines: Machines, nominal: Motions, owner: np.ndarray, run: Motions, led: Led,
-        overshoots: np.ndarray,
+        self, machines: Machines, nominal: Motions, owner: np.ndarray, run: Motions, led: Led
     ):  # fmt: skip
         self.machines, self.run, self.led = machines, run, led
         rests = (nominal.start == nominal.target)[:, owner]
-        self.unled = overshoots[:, None] & rests & (run.code == RAPID)
+        self.unled = rests & (run.code == RAPID)
         self.back = led.back(owner, len(nominal))[:, owner] | self.unled
 
     def aside(

@@ -175,6 +175,12 @@ HOLES = [
         HOLE + "G81 X11. Z-4. R2. F9 K0|X12.|G80",
         also=WRITE,
     ),
+    mill(
+        M,
+        HOLE + "G81 Z-4. R2. F9 L0|X12.",
+        HOLE + "G81 X11. Z-4. R2. F9|X12.|G80",
+        also=WRITE,
+    ),
     mill(M, HOLE + "G81 X11. R2. F9", HOLE + "G81 X11. Z-4. R2. F9|G80"),
     mill(C, HOLE + "G81 X11. Z-4. F9", HOLE + "G81 X11. Z-4. R2. F9|G80"),
     mill(

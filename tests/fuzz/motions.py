@@ -122,7 +122,7 @@ class Motions(Words):
                 ]
             if self.often(0.15 if self.turns else self.wild):
                 count = (
-                    self.one(1, 2, 3, 0, 99)
+                    self.one(1, 2, 3, 0, 20)  # a turn over a bent map takes 0.06 s
                     if not self.often(self.wild)
                     else self.one(100000, 999999999, 10**17)
                 )

@@ -211,7 +211,7 @@ MANNERS = set(
 MANNERS |= set(
     """
     cycle_code_alone cycle_code_changed_without_r cycle_dwell_missing cycle_inverse_time
-    cycle_no_repeats cycle_peck_missing cycle_peck_zero cycle_r_alone cycle_rotary_word
+    cycle_peck_missing cycle_peck_zero cycle_r_alone cycle_rotary_word
     cycle_spindle_stopped cycle_without_feed feed_zero g10_l1_bad_orientation g10_l1_missing_tool
     g10_l1_without_words g10_l2_with_i g10_with_motion_code g52_without_words
     g92_under_cutter_compensation g92_with_motion_code g92_without_words orientation_out_of_range
