@@ -46,7 +46,8 @@ ALONG = True
 NEEDS, SEES = ("approach", "distance"), ("tool", "part")
 TEXT = (
     "The drive winds up before the slide follows. A staircase of small reversals shows its length;"
-    " the compensator takes it up over three of them (reversal = ramp)."
+    " the compensator takes it up over three of them, over five where it is spread, over one where"
+    " all lets go at once (reversal = ramp)."
 )
 
 
@@ -169,7 +170,7 @@ def ramp_mm(size_um: float, length_mm: float, spread: float = 0.0, **_: float) -
     """mm of travel after a turn over which a compensator takes it up: 3 lengths, or 5 where it is
     spread, when 0.9 of it has come; 1 where it lets go at once. Taken up at the turn it would be
     all there before the slide asks for it, and leave twice what it leaves uncorrected."""
-    return {-1.0: 1.0, 0.0: 3.0}.get(spread, 5.0) * length_mm
+    return (3.0 if not spread else 5.0 if spread > 0 else 1.0) * length_mm
 
 
 def tables(
