@@ -70,7 +70,8 @@ class Led:
     ) -> tuple[np.ndarray, np.ndarray]:
         """(A, K) side and (A, K) share at commands (A, K) mm, t of motions (K,). sense (A, K): the
         direction of the nominal motion there, which says the side of an axis that it moves where no
-        take-up leads the command far enough to tell;
+        take-up leads the command far enough to tell; of one whose lost motion builds up over some
+        travel the share says it;
         rapid (K,): there an axis that rests keeps the side that it had, for nothing is cut."""
         leg, half = self.leg(motion, t), self.half(command)
         side, share = np.zeros(command.shape), np.zeros(command.shape)
@@ -85,6 +86,8 @@ class Led:
             slide = np.minimum(np.maximum(self.slide[row, leg], low), high)
             part = (command[row] - slide) / np.maximum(half[k], LEAST)
             share[row] = np.where((half[k] > LEAST) & np.isfinite(slide), part, side[row])
+            if self.slides.more[k]:  # it is not there at the turn, nor taken up there
+                side[row] = share[row]
         return side, share
 
     def half(self, position: np.ndarray) -> np.ndarray:

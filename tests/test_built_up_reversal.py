@@ -6,11 +6,13 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import pytest
 from pytest import approx
 
 from postproc.compensate import Compensator, Options
 from postproc.machine.file import read_machine
-from postproc.units import TICKS_PER_MM
+from postproc.units import TICKS_PER_MM, UM
+from tests.test_verify import verified
 
 ROOT = Path(__file__).parent.parent
 WINDUP = '[[effect]]\nname = "windup"\naxis = "X"\nsize_um = {}\nlength_mm = 0.2\n'
@@ -49,3 +51,22 @@ def test_lost_motion_that_builds_up_over_a_few_micrometres_is_taken_up_over_them
     with open(folder / "machine.toml", "a") as file:
         file.write('\n[[effect]]\nname = "backlash"\naxis = "X"\nsize_um = 9.0\nplay_mm = 0.016\n')
     assert read_machine(folder).pretravel == {"X": approx(0.007)}
+
+
+@pytest.mark.parametrize("spread", [-1, 0, 1])
+def test_where_it_turns_back_before_all_has_built_up_the_verifier_asks_for_what_has(
+    tmp_path, spread
+):
+    """Ways of 0.5 and 0.3 mm behind a turn, of 0.8 to 4 mm over which 9 um are taken up: all of it
+    was asked for at the turn (3.4 to 7.9 um left, and an error of gcomp)."""
+    folder = tmp_path / "m"
+    shutil.copytree(ROOT / "machines" / "perfect", folder)
+    effect = 'name = "windup"\naxis = "X"\nsize_um = 9.0\nlength_mm = 0.8\n'
+    with open(folder / "machine.toml", "a") as file:
+        file.write(f"\n[[effect]]\n{effect}spread = {spread}\n")
+    program = "G0 X0 Y0 Z0\nG1 X50 F500\nX20 Y5\nX20.5\nX20.2\nX40\nX10 Y9\nM2\n"
+    verifier = verified(read_machine(folder), program)
+    assert verifier.passed and verifier.corrected.deviation < 0.6 * UM
+    assert verifier.uncorrected.rest > 4 * UM > verifier.allowed
+    wrong = verified(read_machine(folder), program, b"X9.9955", b"X9.9920")
+    assert not wrong.passed and wrong.corrected.deviation == approx(3.5 * UM, rel=0.1)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from postproc.motions import RAPID, Motions
-from postproc.slides import Led
+from postproc.slides import LEAST, Led
 from postproc.verify.machines import Machines
 
 
@@ -35,7 +35,8 @@ class Turning:
         far the two sides of the axes that turn back lie apart; 0 but for `some` (K,) bool."""
         total, at = np.zeros(len(some)), some.nonzero()[0]
         row, t = (column[at] for column in where)
-        turns = self.back[:, row] | (weight[:, at] != self.led.side[:, self.led.leg(row, t)])
+        before = self.led.side[:, self.led.leg(row, t)]
+        turns = self.back[:, row] | (np.abs(weight[:, at] - before) > LEAST)
         for axis in self.led.slides.rows.tolist():
             side = np.zeros((len(command), len(at)))
             side[axis] = 1.0
