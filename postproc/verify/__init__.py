@@ -255,7 +255,7 @@ class Verifier(Figures):
             whole & known & path, np.clip(np.ceil(length / STEP_MM), 4, len(PLACES)), 0
         ).astype(np.int64)
         group = (np.cumsum(count + 1) - 1) // MOST_SAMPLES
-        turning = Turning(self.machines, nominal, owner, run, led[1])
+        turning = Turning(self.machines, nominal, owner, run, led[1], self.settings.overshoots)
         # so many at a time that memory stays flat
         for g in range(int(group[-1]) + 1 if len(group) else 0):
             which = np.flatnonzero(group == g)

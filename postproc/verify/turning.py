@@ -1,7 +1,8 @@
 """What an axis that turns back moves the others by: its straightness and angles may have been
-measured both ways, and no take-up of another axis can bring that about in the same moment. Of one
-that rests in a rapid the difference along itself counts too: it turns where its correction does, in
-a motion that is not cut for it.
+measured both ways, and no take-up of another axis can bring that about in the same moment. The
+difference along itself counts too where nothing takes it up: of one that rests in a rapid, which is
+not cut for it, and where forward lies beyond reverse, which asks for a way beyond the place and
+back.
 """
 
 from __future__ import annotations
@@ -12,21 +13,26 @@ import numpy as np
 
 from postproc.motions import RAPID, Motions
 from postproc.slides import LEAST, Led
+from postproc.units import TICKS_PER_MM
 from postproc.verify.machines import Machines
 
 
 class Turning:
     """The motions of a run (M), each of which stands for one `owner` (M,) of the nominal ones. back
     (A, M) bool: axes that may change their side in all of that nominal motion; unled (A, M) bool:
-    those that rest in a rapid."""
+    those that rest in a rapid, or of which forward lies beyond reverse (`overshoots`, (A,))."""
 
     def __init__(
-        self, machines: Machines, nominal: Motions, owner: np.ndarray, run: Motions, led: Led
+        self, machines: Machines, nominal: Motions, owner: np.ndarray, run: Motions, led: Led,
+        overshoots: np.ndarray,
     ):  # fmt: skip
         self.machines, self.run, self.led = machines, run, led
-        rests = (nominal.start == nominal.target)[:, owner]
-        self.unled = rests & (run.code == RAPID)
-        self.back = led.back(owner, len(nominal))[:, owner] | self.unled
+        # a correction turns what moves by less than the sides lie apart
+        apart = overshoots * -machines.whole.least_play * TICKS_PER_MM
+        rests = (np.abs(nominal.target - nominal.start) <= apart[:, None])[:, owner]
+        held = rests & (run.code == RAPID)
+        self.unled = held | overshoots[:, None]
+        self.back = led.back(owner, len(nominal))[:, owner] | held
 
     def aside(
         self, some: np.ndarray, where: Any, command: np.ndarray, weight: np.ndarray
