@@ -23,7 +23,6 @@ from postproc.machine.tip import TipMachine
 from postproc.nc import dialects
 from postproc.units import TICKS_PER_MM, UM
 from postproc.verify import Verifier
-from tests.small_machines import write_lagging
 
 ROOT = Path(__file__).resolve().parents[1]
 TICKS_PER_UM = round(TICKS_PER_MM * UM)
@@ -384,20 +383,3 @@ def test_an_arc_of_several_turns_turns_back_in_each(tmp_path, turns, way):
     m = machine(tmp_path / "m", backlash("X", 6.0) + backlash("Y", 6.0))
     _, verifier = corrected(m, f"G0 X0 Y0 Z0\nG1 X20 F500\n{way} {turns}\nG1 X60\nM2\n", 3)
     assert verifier.passed and verifier.corrected.slide < 1.5 * UM
-
-
-LINES = (
-    "G21 G90\nG0 X272.8 Z127.893\nG1 Z338.1029 F100\nG0 Z338.0994\nG1 X260.\nG0 Z338.096\nZ338.1\n"
-)
-
-
-@pytest.mark.parametrize("fed", [[LINES], LINES.splitlines(keepends=True)])
-def test_where_slides_turn_one_another_to_and_fro_a_rapid_turns_those_that_it_leads(tmp_path, fed):
-    """Z goes back by less than its play of 4.9 um: bearing there it moves X, which turns, and X
-    moves Z by more than Z went back; so Z was taken to stay (5.2 um left)."""
-    m = read_machine(write_lagging(ROOT / "machines" / "studer-s36", tmp_path / "m"))
-    filter_ = Filter(m, dialects.load("fanuc-lathe"), setup_of(m))
-    verifier = Verifier(filter_)
-    out = b"".join([filter_.feed(text.encode()) for text in fed] + [filter_.finish()]).decode()
-    assert "\nG0 Z338.0911 X272.7907\n" in out
-    assert verifier.passed and verifier.corrected.deviation < 1.5 * UM

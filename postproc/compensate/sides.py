@@ -74,7 +74,6 @@ class Course:
             stays = stays | (b.travel == 0) & (b.code == RAPID) & b.c.overshoots[:, None]
         self.stays = stays.take(self.rows, axis=0) & ~self.given
         self.ramped, self.given = self.given, self.given & ~self.anew
-        self.told = self.given.copy(), self.sense.copy()  # as strokes say by themselves
 
     def _begin(self) -> Sides:
         """The carry of these rows; an axis that has not stood anywhere yet begins where its first
@@ -231,8 +230,9 @@ class Course:
         return side[:, n - 1 :: n], middle[:, n - 1 :: n]
 
     def settle(self) -> None:
-        """Decide side, middle, exact and behind: all strokes as the nominal motion leads them;
-        until nothing changes, those that bear otherwise or come after another side or state."""
+        """Decide side, middle, exact and behind: first all strokes as the nominal motion leads
+        them; then, until nothing changes, those that bear otherwise or come after another side or
+        state than was thought."""
         led = hold_last(*self.leads, self.carry.side)
         before, every = self.before(led, self.carry.side), np.arange(led.shape[1])
         self.led, (self.exact, self.begin, self.end) = led, self.places(every, led, before)
@@ -264,7 +264,6 @@ class Course:
         )
         sign, leads = (column.take(at, axis=1) for column in self.leads)
         led = np.where(leads, sign, before)
-        self.given[:, at], self.sense[:, at] = (column.take(at, axis=1) for column in self.told)
         for _ in range(len(self.rows) + 1):  # as many as axes can move one another, in turn
             self.led[:, at] = led
             self.exact[:, at], self.begin[:, at], self.end[:, at] = self.places(at, led, before)
@@ -274,19 +273,6 @@ class Course:
                 break
             at = at.take(on)
             before, r, led = (column.take(on, axis=1) for column in (before, r, found))
-        else:
-            self._to_and_fro(at, before, r)
-
-    def _to_and_fro(self, at: np.ndarray, before: np.ndarray, r: np.ndarray) -> None:
-        """Of strokes whose axes turn one another back: those of rapids bear as they are led."""
-        rapid = self.b.code.take(at) == RAPID
-        at, before, r = at[rapid], before[:, rapid], r[:, rapid]
-        sign, leads = (column[:, at] for column in self.leads)
-        led = np.where(leads, sign, before)
-        for _ in range(len(self.rows) + 1):
-            self.exact[:, at], self.begin[:, at], self.end[:, at] = self.places(at, led, before)
-            self.sense[:, at], led = led, np.where(leads, sign, self.once(at, before, r))
-        self.led[:, at], self.given[:, at] = self.sense[:, at], ~self.stays[:, at]
 
 
 def _behind(which: np.ndarray) -> np.ndarray:
