@@ -4,12 +4,15 @@ turn."""
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from pytest import approx
 
 from postproc.compensate import Compensator, Options
+from postproc.effects import State, windup
 from postproc.machine.file import read_machine
 from postproc.units import TICKS_PER_MM, UM
 from tests.test_verify import verified
@@ -70,3 +73,25 @@ def test_where_it_turns_back_before_all_has_built_up_the_verifier_asks_for_what_
     assert verifier.uncorrected.rest > 4 * UM > verifier.allowed
     wrong = verified(read_machine(folder), program, b"X9.9955", b"X9.9920")
     assert not wrong.passed and wrong.corrected.deviation == approx(3.5 * UM, rel=0.1)
+
+
+@pytest.mark.parametrize("spread,lengths", [(0.0, (1.0,)), (1.0, (0.2, 0.45, 1.0, 2.25, 5.0))])
+def test_a_compensator_takes_it_up_over_the_way_in_which_most_has_come(spread, lengths):
+    """0.9 or more of what builds up, by hand."""
+    ramp = windup.ramp_mm(size_um=5.0, length_mm=0.7, spread=spread)
+    share = np.mean([1 - np.exp(-ramp / (0.7 * v)) for v in lengths])
+    assert 0.9 <= share < 0.96
+
+
+@pytest.mark.parametrize("spread", [-1.0, -0.5, 0.0, 0.5, 1.0])
+def test_at_the_end_of_that_way_as_much_has_come_as_the_effect_says(spread):
+    """0.9 to 0.96 of it, and all where it lets go at once: there a shorter way leaves some of it,
+    however `spread` is written."""
+    ramp = windup.ramp_mm(size_um=5.0, length_mm=0.7, spread=spread)
+    at = State({"X": np.zeros(2)}, {"X": np.ones(2)}, {"X": (-1.0, 1.0)})
+    at = replace(at, distance={"X": np.array([ramp, 0.99 * ramp])})
+    came = 0.5 - windup.columns(at, "X", 0.7, spread=spread)[0, 0] * 1e3
+    if spread < 0:
+        assert came == pytest.approx([1.0, 0.99])
+    else:
+        assert (came >= 0.89).all() and (came < 0.96).all()

@@ -277,7 +277,7 @@ def _learned(
     own = [[g for g in groups if g.kind not in nuisances.NAMED] for groups in own]
     plain = _without_jumps(y, rows, units)
     for _ in range(ROUNDS):
-        left, unsure = _unexplained(Evidence(plain, units, stationary, shared, train))
+        left, posterior = _unexplained(Evidence(plain, units, stationary, shared, train))
         for unit, at_most in zip(units, most, strict=True):
             noise.learned(
                 unit,
@@ -285,7 +285,7 @@ def _learned(
                 rows.rounding[unit.rows],
                 train[unit.rows],
                 at_most,
-                unsure.get(int(unit.rows[0])),
+                posterior.get(int(unit.rows[0])),
             )
     return Evidence(y, units, own, shared, train)
 
@@ -303,12 +303,12 @@ def _unexplained(evidence: Evidence) -> tuple[np.ndarray, dict[int, np.ndarray]]
     fit = evidence.learn((), None, on, STEPS)
     said = shares(evidence, fit)
     explained = sum((v for name, v in said.items() if name != "noise"), np.zeros(len(evidence.y)))
-    unsure = {
+    posterior = {
         int(part.whole.rows[0]): part.raw[:, old.use] @ inverted(old.root).T
         for part, old in zip(evidence.parts, fit.parts, strict=True)
         if part.whole.dense
     }
-    return np.asarray(evidence.y - explained), unsure
+    return np.asarray(evidence.y - explained), posterior
 
 
 def _without_jumps(y: np.ndarray, rows: Rows, units: list[Unit]) -> np.ndarray:

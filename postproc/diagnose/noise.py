@@ -310,11 +310,12 @@ def learned(
     rounding: np.ndarray,
     train: np.ndarray,
     most: float = np.inf,
-    unsure: np.ndarray | None = None,
+    posterior: np.ndarray | None = None,
 ) -> None:
     """Set a unit's white noise, tails and autoregression from what everything else leaves of it,
     (n,) mm; rounding (n,) mm; train (n,) bool: rows that may be looked at; most mm: of the white
-    noise, what is left beyond it may as well be an effect that has no name yet."""
+    noise, what is left beyond it may as well be an effect that has no name yet; posterior (n, q)
+    mm: see autoregression."""
     relative = np.clip(unit.r / np.median(unit.r), 0.2, 20.0)
     scaled = np.where(train, left, 0.0) / relative
     if train.sum() > 2 * AROUND:  # noise comes and goes: a burst, a compressor that runs
@@ -334,10 +335,10 @@ def learned(
         far = np.where(near > TAIL / 2, 0.0, far)
         if len(left) > 64:
             own = [(a, b) for a, b in pairwise(unit.edges) if b - a > 32 and train[a:b].all()]
-            loose = np.zeros((len(left), 0)) if unsure is None else unsure / relative[:, None]
+            known = np.zeros((len(left), 0)) if posterior is None else posterior / relative[:, None]
             unit.ar, unit.innovation, total = autoregression(
                 [without_lines(np.clip(scaled[a:b], -4 * base, 4 * base)) for a, b in own],
-                [loose[a:b] for a, b in own],
+                [known[a:b] for a, b in own],
             )
             base = max(total, unit.floor)
     base = min(unit.shrunk(base), most)
@@ -362,13 +363,12 @@ def _third(values: np.ndarray) -> np.ndarray:
 
 
 def autoregression(
-    parts: list[np.ndarray], unsure: list[np.ndarray] | None = None
+    parts: list[np.ndarray], posterior: list[np.ndarray] | None = None
 ) -> tuple[np.ndarray, float, float]:
     """Coefficients, the innovation's share of the variance, and the standard deviation, of
-    stretches of one process. unsure (n, q): of each a root of the covariance with which what was
-    taken out of it is known: as much of the process may have gone with it (the expectation step of
-    Dempster, Laird, Rubin, Maximum likelihood from incomplete data, J. Royal Stat. Soc. B 39, 1977,
-    1)."""
+    stretches of one process. posterior (n, q): of each a root of the covariance with which what was
+    taken out of it is known: as much may have gone with it (the expectation step of Dempster,
+    Laird, Rubin, J. Royal Stat. Soc. B 39, 1977, 1). Lengths in one unit."""
     if not parts:
         return np.zeros(0), 1.0, 0.0
     n = sum(len(p) for p in parts)
@@ -377,7 +377,7 @@ def autoregression(
     for p in parts:
         for k in range(most + 1):
             sums[k] += float(p[k:] @ p[: len(p) - k])
-    for q in unsure or []:
+    for q in posterior or []:
         for k in range(most + 1):
             sums[k] += float(np.einsum("ij,ij->", q[k:], q[: len(q) - k]))
     covariance = sums / n

@@ -17,9 +17,9 @@ def test_what_a_smooth_fit_takes_out_of_white_noise_counts_as_noise():
     y = sigma * rng.normal(size=n)
     b = noise.hats(np.arange(n, dtype=float), np.linspace(0.0, n - 1.0, 300))
     left = y - b @ np.linalg.lstsq(b, y, rcond=None)[0]
-    unsure = sigma * np.linalg.qr(b)[0]
+    posterior = sigma * np.linalg.qr(b)[0]
     alone, _, _ = noise.autoregression([left])
-    ar, innovation, total = noise.autoregression([left], [unsure])
+    ar, innovation, total = noise.autoregression([left], [posterior])
     assert alone.sum() < -0.2  # the slow power is gone
     assert len(ar) == 0 and innovation == 1.0
     assert total == pytest.approx(sigma, rel=0.05)

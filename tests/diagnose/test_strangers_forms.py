@@ -3,7 +3,6 @@ written out here by hand, and share nothing with it."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -11,7 +10,6 @@ import numpy as np
 import pytest
 
 from postproc.diagnose import signals, telegraph
-from postproc.effects import State, windup
 from tests.diagnose.test_workshop import HEAD, diagnosed
 
 LASER = '# quantity = "displacement"\n# sensitive = { X = 1.0 }\n'
@@ -91,28 +89,6 @@ def test_a_turn_is_read_in_small_steps(tmp_path):
     head = HEAD.format("targets", "laser interferometer") + LASER
     text = head + "run,t_s,X_mm,Y_mm,approach_X,approach_Y,reading_um\n" + "\n".join(rows) + "\n"
     assert names(diagnosed(tmp_path, text)) == ["windup:X"]
-
-
-@pytest.mark.parametrize("spread,lengths", [(0.0, (1.0,)), (1.0, (0.2, 0.45, 1.0, 2.25, 5.0))])
-def test_a_compensator_takes_it_up_over_the_way_in_which_most_has_come(spread, lengths):
-    """0.9 or more of what builds up, by hand."""
-    ramp = windup.ramp_mm(size_um=5.0, length_mm=0.7, spread=spread)
-    share = np.mean([1 - np.exp(-ramp / (0.7 * v)) for v in lengths])
-    assert 0.9 <= share < 0.96
-
-
-@pytest.mark.parametrize("spread", [-1.0, -0.5, 0.0, 0.5, 1.0])
-def test_at_the_end_of_that_way_as_much_has_come_as_the_effect_says(spread):
-    """0.9 to 0.96 of it, and all where it lets go at once: there a shorter way leaves some of it,
-    however `spread` is written."""
-    ramp = windup.ramp_mm(size_um=5.0, length_mm=0.7, spread=spread)
-    at = State({"X": np.zeros(2)}, {"X": np.ones(2)}, {"X": (-1.0, 1.0)})
-    at = replace(at, distance={"X": np.array([ramp, 0.99 * ramp])})
-    came = 0.5 - windup.columns(at, "X", 0.7, spread=spread)[0, 0] * 1e3
-    if spread < 0:
-        assert came == pytest.approx([1.0, 0.99])
-    else:
-        assert (came >= 0.89).all() and (came < 0.96).all()
 
 
 def test_a_step_shorter_than_an_overrun_is_not_overrun():
