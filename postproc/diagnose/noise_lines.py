@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 SPECTRUM = 31  # bins on either side of one
 LINE = 25.0  # times the power around: an oscillation, no noise
@@ -10,10 +11,14 @@ LINE = 25.0  # times the power around: an oscillation, no noise
 
 def around(power: np.ndarray) -> np.ndarray:
     """(n,) the median power (n,) around each bin of a spectrum."""
-    medians = [
-        np.median(power[max(0, k - SPECTRUM) : k + SPECTRUM + 1])
-        for k in range(0, len(power), SPECTRUM)
-    ]
+    at = np.arange(0, len(power), SPECTRUM)
+    whole = (at >= SPECTRUM) & (at + SPECTRUM < len(power))
+    medians = np.empty(len(at))
+    if whole.any():
+        windows = sliding_window_view(power, 2 * SPECTRUM + 1)
+        medians[whole] = np.median(windows[at[whole] - SPECTRUM], axis=1)
+    for k in np.flatnonzero(~whole):  # cut off at either end
+        medians[k] = np.median(power[max(0, at[k] - SPECTRUM) : at[k] + SPECTRUM + 1])
     level: np.ndarray = np.repeat(medians, SPECTRUM)[: len(power)]
     return level
 
