@@ -5,11 +5,9 @@ The true machine is the generator's: its geometry, and the effects that were hid
 programs are read by the independent interpreter of tests/reference. Nothing of the tool takes part
 but its command line.
 
-From which side an axis came is told by the nominal motion, for the map's own columns and for dead
-travel alike, as the machine contract has it: a take-up of the correction counts as made. So one
-thing is left out: an axis that rests, and is corrected back by less than its own dead travel,
-follows here and would not on a real slide (gcomp gives a notice of it). Sliders that give way
-(windup) are followed through every commanded point.
+From which side an axis came is told by the commanded motion, for the map's own columns; a slide
+with dead travel follows its command as a play does, and rests until that is taken up. Sliders that
+give way (windup) are followed through every commanded point.
 """
 
 from __future__ import annotations
@@ -177,6 +175,16 @@ def sides(command: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
+def behind(command: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """(N,) um by which a slide is off its command (N,) um: it rests where it is until the command is
+    half (N,) um of its dead travel away, to either side. It came from below."""
+    off, found = -float(half[0]), []
+    for step, most in zip(np.diff(command, prepend=command[0]), np.abs(half), strict=True):
+        off = float(np.clip(off - step, -most, most))
+        found.append(off)
+    return np.array(found)
+
+
 def deviation(drawn: cases.Drawn, points: np.ndarray, direction: np.ndarray) -> np.ndarray:
     """(N, 3) um of the true machine along a commanded path."""
     machine = drawn.scene.machine
@@ -198,7 +206,8 @@ def deviation(drawn: cases.Drawn, points: np.ndarray, direction: np.ndarray) -> 
         effect = hidden.effect
         if effect.gap is not None:
             i = XYZ.index(effect.axis)
-            total[:, i] -= direction[:, i] / 2 * hidden.size * effect.gap(points[:, i])
+            half = hidden.size * effect.gap(points[:, i]) / 2
+            total[:, i] += behind(points[:, i] * 1e3, half)
             continue
         shift = effect.on(track)
         if shift is not None and shift.tool is not None:

@@ -104,6 +104,7 @@ def diagnose(
     driven = drive.drives(usable.recordings)
     options.progress("choosing")
     state = causes.attributed(search, search.run(), driven)
+    state = causes.leaning(search, state, machine)
     options.progress("showing")
     found = [findings.of_member(search, state, k) for k in state.members]
     last = evidence.learn(state.fit.chosen, None, state.fit.on, STEPS)

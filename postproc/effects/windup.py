@@ -57,13 +57,14 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     # Where every reading lies so far behind its turn that all is built up, what differs along the
     # travel is backlash_position.
     reached = [v for v in lengths if near < BUILT_UP * v]
+    partly = [v for v in lengths if near < v]  # until all lets go at once
     since = _stairs(state, axis)
     stairs = bool(np.any((since > 0) & (since < STEP)))
     kinds = [
         (lengths, 0.0, 0.0, 0.0),
         (reached, 1.0, 0.0, 0.0),
         (reached, 0.0, 1.0, 0.0),
-        (reached, 0.0, -1.0, 0.0),
+        (partly, 0.0, -1.0, 0.0),
         *([(lengths, 0.0, spread, 1.0) for spread in (0.0, 1.0)] if stairs else []),
     ]
     return [

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from postproc.diagnose import signals, telegraph
-from tests.diagnose.test_workshop import HEAD, diagnosed
+from tests.diagnose.test_workshop import HEAD, MACHINE, diagnosed
 
 LASER = '# quantity = "displacement"\n# sensitive = { X = 1.0 }\n'
 
@@ -141,6 +141,19 @@ def test_an_ellipse_at_45_degrees_is_a_squareness(tmp_path):
     """A bow or a sag says the same, with more that is to be chosen."""
     texts = circles(lambda t, x, y, vx, vy, a: 80.0 * 60e-3 * np.sin(a) * np.cos(a))
     assert names(diagnosed(tmp_path, *texts))[0] == "squareness:XY"
+
+
+@pytest.mark.parametrize("stated, leans", [("", 0.0), ("C0X", 1.0), ("C0Y", 0.0)])
+def test_of_two_axes_the_one_leans_that_the_machine_names(tmp_path, stated, leans):
+    """The circle says nothing of a turn of the part, by which both forms differ: a program that is
+    corrected by the other one would cut a part that is turned against the axis it was set along. Y
+    leans where nothing is stated (first the primary axis X, ISO 841)."""
+    texts = circles(lambda t, x, y, vx, vy, a: 80.0 * 60e-3 * np.sin(a) * np.cos(a))
+    machine = MACHINE + (f"[squareness]\n{stated} = 0.0\n" if stated else "")
+    found = diagnosed(tmp_path, *texts, machine=machine)["effects"][0]
+    assert (found["effect"], found["axis"]) == ("squareness", "XY")
+    assert found["parameters"]["leans"]["value"] == leans
+    assert found["parameters"]["urad"]["value"] == pytest.approx(-60.0, abs=3.0)
 
 
 def spike(t: np.ndarray, v: np.ndarray, tau: float, length: float) -> np.ndarray:

@@ -34,16 +34,17 @@ def folder(drawn, tmp_path_factory):
     return place / "machine"
 
 
-def test_dead_travel_turns_with_the_program_and_by_hand(drawn):
-    """A gap of 10 um: behind by 5 going up, by 5 the other way going down; beside the true
-    geometry."""
+def test_a_slide_with_dead_travel_rests_until_its_command_has_taken_it_up(drawn):
+    """A gap of 10 um: behind by 5 going up; back by 4 um of the command the slide rests, 1 um
+    behind; a mm back it is 5 um off to the other side. Beside the true geometry."""
     effect = physics.names()["backlash"](drawn.scene, "X", stream("loop"))
     wrong = replace(drawn, hidden=[Hidden(effect, 10.0, [])])
     axis = drawn.scene.machine.axes["X"]
-    points = np.tile([axis.share(0.4), 0.0, drawn.scene.machine.axes["Z"].share(0.4)], (2, 1))
-    side = np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
+    points = np.tile([axis.share(0.4), 0.0, drawn.scene.machine.axes["Z"].share(0.4)], (4, 1))
+    points[:, 0] += [0.0, 1.0, 0.996, 0.0]
+    side = np.ones((4, 3))
     more = loop.deviation(wrong, points, side) - drawn.scene.machine.deviation(points, side)
-    assert more == pytest.approx(np.array([[-5.0, 0, 0], [5.0, 0, 0]]))
+    assert more == pytest.approx(np.array([[-5.0, 0, 0], [-5.0, 0, 0], [-1.0, 0, 0], [5.0, 0, 0]]))
 
 
 def test_a_program_on_a_machine_without_errors_has_none(drawn, monkeypatch):
