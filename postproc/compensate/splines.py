@@ -209,11 +209,10 @@ def _tight(b: Batch, points: np.ndarray, wanted: np.ndarray, sides: list[list[fl
     each = [
         b.machine.deviation(corners, np.broadcast_to(way, corners.shape))[b.rows] for way in ways
     ]
-    moves = (high > low).nonzero()[0]
-    middle = ((low + high) / 2)[moves, None]
+    middle = ((low + high) / 2)[:, None]
 
     def linear(place: np.ndarray) -> np.ndarray:
-        return np.vstack([np.ones(place.shape[1]), place[moves] - middle])
+        return np.vstack([np.ones(place.shape[1]), place - middle])
 
     slope = np.linalg.lstsq(linear(corners).T, np.mean(each, axis=0).T, rcond=None)[0]
     rest = max(np.linalg.norm(e - slope.T @ linear(corners), axis=0).max() for e in each)

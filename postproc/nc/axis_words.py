@@ -69,7 +69,7 @@ def _enough(b: Writing, ticks: np.ndarray, scale: np.ndarray, decimals: np.ndarr
     most = MOST
     if b.dialect.digits:
         whole = np.searchsorted(POWERS[1:], np.abs(ticks) // scale, side="right") + 1
-        most = np.clip(b.dialect.digits - whole, decimals, MOST_DECIMALS)
+        most = b.dialect.digits - whole
     for _ in range(MOST_DECIMALS):
         per = steps(scale, decimals)
         wants = (ticks // per * per != ticks) & (decimals < most)

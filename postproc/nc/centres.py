@@ -215,7 +215,7 @@ def _outside_plane(b: Writing, motion: np.ndarray) -> None:
 def _turns(b: Writing, motion: np.ndarray) -> None:
     """P of an arc that was cut."""
     place = (b.w.letter == ord("P")).nonzero()[0]
-    if b.dialect.turns and len(place):
+    if len(place):
         place = place[np.isin(b.w.block[place], b.m.block[motion])]
         owner = np.searchsorted(b.m.block, b.w.block[place])
         b.delete(place, owner)
