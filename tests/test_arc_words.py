@@ -288,3 +288,17 @@ def test_an_absolute_centre_counts_from_the_zero_of_the_work_offset(tmp_path, mo
     words = lex(text.encode(), filter_.dialect.grammar)
     motions, _, _ = filter_.interpreter.run(words, filter_.interpreter.initial())
     assert motions.arcs.centre[:, 0].tolist() == [60.0, 15.0]
+
+
+def test_pieces_behind_an_arc_with_its_centre_as_a_place_have_distances(tmp_path):
+    """Siemens says the place in the word, I=AC(5): blocks put in follow the mode in force."""
+    machine = read_machine(write_mill(tmp_path / "mill", False))
+    outs = []
+    for centre in ("I30 J0", "I=AC(130) J=AC(10)"):
+        text = f"G71 G90 G17 G54\nG0 X100. Y10. Z0.\nF1000\nG2 X130. Y40. {centre}\nM30\n"
+        filter_ = filter_of(machine, "siemens", tolerance=0.0003)
+        outs.append((filter_.feed(text.encode()) + filter_.finish()).split(b"\n"))
+    one, other = outs
+    assert len(one) == len(other) > 7
+    assert [(a, b) for a, b in zip(one, other, strict=True) if a != b] == [(one[4], other[4])]
+    assert b"=AC(" in other[4]

@@ -176,19 +176,3 @@ def test_programs_have_the_same_bytes(tmp_path, monkeypatch, library, dialect, k
         outs.append(filter_.feed(text.encode()) + filter_.finish())
     assert outs[0] == outs[1] != text.encode()
     assert counted.made
-
-
-def test_pieces_behind_an_arc_with_its_centre_as_a_place_have_distances(tmp_path, both_ways):
-    """Siemens says the place in the word, I=AC(5): blocks put in follow the mode in force."""
-    machine = read_machine(write_mill(tmp_path / "mill", False))
-    outs = []
-    for centre in ("I30 J0", "I=AC(130) J=AC(10)"):
-        text = f"G71 G90 G17 G54\nG0 X100. Y10. Z0.\nF1000\nG2 X130. Y40. {centre}\nM30\n"
-        filter_ = Filter(
-            machine, dialects.load("siemens"), setup_of(machine, ZERO), Options(tolerance=0.0003)
-        )
-        outs.append((filter_.feed(text.encode()) + filter_.finish()).split(b"\n"))
-    one, other = outs
-    assert len(one) == len(other) > 7
-    assert [(a, b) for a, b in zip(one, other, strict=True) if a != b] == [(one[4], other[4])]
-    assert b"=AC(" in other[4]
