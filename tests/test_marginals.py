@@ -156,3 +156,38 @@ def test_the_deviation_is_another_where_an_axis_is_another_by_more_than_can_be_s
     pose = {"X": 1.0, "Y": 2.0, "Z": 3.0}
     assert _far_away(pose, {"X": 1e-3, "Y": 1e-6}) == {"X": 1.0}
     assert _far_away(pose, {"X": 1e-6, "Y": 0.0}) == {"X": 1.0, "Y": 2.0}
+
+
+def turning_x(nodes: np.ndarray, forward: np.ndarray) -> Machine:
+    """X alone has a table, over a part of its travel of 300 mm, and a squareness."""
+    axes = {x: Axis(x, (0.0, 300.0), 1e-4, np.zeros(3)) for x in "XYZ"}
+    axes["X"] = Axis("X", (0.0, 300.0), 1e-4, np.zeros(3), AxisTable("X", nodes, forward, forward))
+    square = {"X": np.array([0.0, 0.0, 50 * URAD])}
+    return Machine("m", "", "linuxcnc", Chain(("X", "Y", "Z"), 0), axes, square=square)
+
+
+@pytest.mark.parametrize("nodes", [(40.0, 100.0, 300.0), (0.0, 100.0, 240.0)], ids=["low", "high"])
+def test_a_line_goes_on_where_the_table_of_its_axis_is_held(nodes):
+    """The squareness goes on to either end of the travel, beyond the table's first and last."""
+    forward = np.zeros((6, 3))
+    forward[1] = [2 * UM, -1 * UM, 3 * UM]
+    m = turning_x(np.array(nodes), forward)
+    found, _ = marginals(m)
+    position = np.zeros((3, 61))
+    position[0] = np.linspace(0, 300, 61)
+    ways = np.ones_like(position)
+    np.testing.assert_allclose(
+        total(found, position, ways), m.deviation(position, ways), atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("far", [10.0, 290.0])
+def test_what_a_table_can_not_hold_is_largest_where_both_arms_are_longest(far):
+    """X pitches and yaws: its table holds what that does at Y = Z = `far`, and misses both parts at
+    the other ends of Y and Z."""
+    forward = np.zeros((6, 3))
+    forward[4], forward[5] = [0.0, 10 * URAD, 0.0], [0.0, -10 * URAD, 0.0]
+    m = turning_x(np.array([0.0, 100.0, 300.0]), forward)
+    _, notices = marginals(m, {"X": 150.0, "Y": far, "Z": far})
+    (said,) = [float(n.rsplit("up to ", 1)[1].split()[0]) for n in notices if n[1:3] == "XX"]
+    assert said == approx(2 * 290.0 * 10 * URAD / UM, abs=0.01)

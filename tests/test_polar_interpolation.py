@@ -285,6 +285,17 @@ def test_what_is_refused(lines, before, said, tmp_path):
         corrected(machine, "fanuc-lathe", program(lines, before=before))
 
 
+@pytest.mark.parametrize(("diameter", "goes"), [("2.", True), ("1.998", False)])
+def test_from_a_millimetre_on_it_may_come_to_the_line_of_c(diameter, goes, tmp_path):
+    machine = load(plain(CHAINS[0], EXX=0.010), tmp_path, "fanuc-lathe")
+    text = program(["G1 X40. C0. F9.", f"G1 X{diameter}", "G1 X40."])
+    if goes:
+        assert corrected(machine, "fanuc-lathe", text)[1].passed
+    else:
+        with pytest.raises(GcompError, match="nearer than 1 mm"):
+            corrected(machine, "fanuc-lathe", text)
+
+
 def test_a_way_to_the_middle_is_reported_as_such(tmp_path):
     """And not as a map too steep: what is off across the way turns half around there."""
     truth = plain(CHAINS[0], EXX=0.010, EYX=0.008)

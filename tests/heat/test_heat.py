@@ -106,6 +106,15 @@ def test_the_clock_by_hand(tmp_path):
     assert (found.begin[3] - found.end[2]) / clock.MICRO == pytest.approx(7.0)
 
 
+def test_a_dwell_of_a_time_that_is_not_known_takes_none(tmp_path):
+    """It says none, or one that can only be in another unit."""
+    record = written(tmp_path, "t_s,T_scale_X_C", "0,20", "9999,20")
+    f = filter_of(machine(tmp_path), "--temperatures", record)
+    for dwell, seconds in (("", 0.0), (" P0", 0.0), (" P20000000", 0.0), (" P7", 7.0)):
+        _, after = times(f, f"G21 G90 G54\nG0 X0 Y0 Z0\nG4{dwell}\nG1 X100 F600\n")
+        assert after.now / clock.MICRO == pytest.approx(10.0 + seconds)
+
+
 def test_growth_by_hand(tmp_path, capsys):
     """The scale of X goes from 20 to 30 degrees in 1000 s, the work stays at 22: e = 10e-6 * (T -
     20) * (x - 100) - 20e-6 * 2 * (x - 100). At F60 from 0 to 500 the block takes 500 s; at its end

@@ -161,3 +161,13 @@ def test_a_second_slide_grows_as_the_first_ones_do(tmp_path):
     assert warm.deviation(q, 0 * q) == pytest.approx(stated.deviation(q, 0 * q), abs=1e-9)
     _, _, out = growth.drivers(m, ["T_scale_X_C"], spindles=False)
     assert "no column for the scale of W: it stays at 20 C" in out
+
+
+def test_a_block_that_outlasts_its_temperature_is_said(tmp_path):
+    """Of a job that lasts longer, only a block that does."""
+    f = live(tmp_path, written(tmp_path, "t_s,T_scale_X_C", "0,20", "10,20.1"))
+    f.feed(b"G21 G90 G54\nG0 X0 Y0 Z0\nG1 X400 F600\nX0\nX400\n")  # 40 s each
+    assert not [n for n in f.notices if n.code == "heat later"]
+    f.feed(b"X0 F300\n")
+    (late,) = [n for n in f.notices if n.code == "heat later"]
+    assert "this block lasts 80 s" in late.message and late.size == pytest.approx(80.0)

@@ -13,6 +13,7 @@ from postproc.machine.file import read_machine
 from postproc.recordings import contract
 from postproc.volumetric import identify, solve
 from postproc.volumetric.observations import rows_of
+from postproc.volumetric.rows import _turn
 from tests.volumetric.readings import (
     MILL,
     ROOT,
@@ -167,3 +168,10 @@ def test_recordings_without_a_clock_are_shown_and_written(name, tmp_path, capsys
     one, again = (recordings.read(recordings.Source("a", f.read_bytes())) for f in (file, out))
     assert f"rows        {len(one)}" in said and "commanded" not in said
     assert again.kind == one.kind and len(again) == len(one)
+
+
+def test_a_rotation_vector_turns_by_its_length():
+    """By hand: a third of a turn about the diagonal of a cube leads each edge to the next one."""
+    turned = _turn(np.full(3, 2 * np.pi / 3 / np.sqrt(3)))
+    assert turned == pytest.approx(np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]]), abs=1e-12)
+    assert np.array_equal(_turn(np.zeros(3)), np.eye(3))
