@@ -456,6 +456,15 @@ def test_a_screw_follows_its_thermometer_where_it_has_no_time_of_its_own(tau, fo
     assert any("screw_heat of Z is not followed" in line for line in out) is not followed
 
 
+def test_an_effect_of_size_zero_moves_nothing(tmp_path):
+    zero = SCREW.format(tau=0.0).replace("alpha_ppm_K = 11.0", "alpha_ppm_K = 0.0")
+    log = written(tmp_path, "t_s,T_screw_Z_C", "0,20", "9999,30")
+    filter_ = filter_of(machine(tmp_path, "", zero), "--temperatures", log)
+    assert [d.most for d in filter_.heat.drivers] == [0.0]
+    text = b"G21 G90 G54\nG0 X0 Y0 Z0\nG1 X400 Z100 F600\nM2\n"
+    assert filter_.feed(text) + filter_.finish() == text
+
+
 def test_what_heat_does_to_a_whole_program_has_no_line(tmp_path):
     """An arc of 157 s in line 4, over which the scale warms by 4.7 K."""
     folder = machine(tmp_path)
