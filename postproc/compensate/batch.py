@@ -73,11 +73,6 @@ class Batch(Columns):
         else:
             self._kinds()
         self.turns = cutter.last_way(self, self.travel) if self.inside else self.travel
-        self.reached = self.end_nominal
-        if len(m.holes):  # a hole asks for its place at the middle of its depth
-            self.reached = self.end_nominal.copy()
-            middle = (m.holes.level + m.holes.bottom) / 2 / TICKS_PER_MM
-            self.reached[m.holes.axis, self.hole] = middle
         self.sure = np.empty(len(self.motion), bool)
         self.sure[:1], self.sure[1:] = self.carry.sure, self.sure_after[:-1]
         if self.leaps:

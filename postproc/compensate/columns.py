@@ -42,7 +42,6 @@ class Columns:
     turns: np.ndarray
     known_before: np.ndarray
     hole: np.ndarray
-    reached: np.ndarray
     jumps: np.ndarray
     sure: np.ndarray
     cutting: np.ndarray

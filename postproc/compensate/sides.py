@@ -116,12 +116,12 @@ class Course:
         """(A, K) mm of strokes `at` (K,) for sides (T, K)."""
         b = self.b
         if b.plain and len(at) == len(b.motion):
-            return commands(b, at, b.t1, b.reached, self.spread(side))
+            return commands(b, at, b.t1, b.end_nominal, self.spread(side))
         result = b.end_nominal.take(at, axis=1)
         free = b.moved.take(at).nonzero()[0]
         if len(free):
             at, weight = at.take(free), self.spread(side.take(free, axis=1))
-            found = commands(b, at, b.t1.take(at), b.reached.take(at, axis=1), weight)
+            found = commands(b, at, b.t1.take(at), b.end_nominal.take(at, axis=1), weight)
             correctable = b.correctable.take(at, axis=1)
             if not all_of(correctable):
                 found = np.where(correctable, found, result.take(free, axis=1))
