@@ -16,9 +16,14 @@ from postproc.effects import State, cyclic, waves_of
 from postproc.machine import places
 from postproc.machine.file import read_machine
 
-RNG = np.random.default_rng(11)
 MILL = read_machine(Path(__file__).parents[2] / "machines" / "example-mill")
 MAP = places.load(Path(__file__).parents[2] / "machines" / "example-mill")
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """Of each test its own: what one draws depends on no other."""
+    return np.random.default_rng(11)
 
 
 def sampled(step: np.ndarray, each: int = 4) -> np.ndarray:
@@ -57,14 +62,14 @@ def test_samples_beyond_the_number_of_a_row_count_for_nothing():
 
 
 @pytest.mark.parametrize("period", [0.12, 0.313, 1.7])
-def test_periods_shorter_than_a_row_are_found_in_its_samples(period):
+def test_periods_shorter_than_a_row_are_found_in_its_samples(rng, period):
     """Fast, slow and turning: rows reach over 0.04 to 1.6 mm."""
     place = sampled(
         np.concatenate(
             [np.full(400, 0.01), np.full(500, 0.33), np.full(300, 0.4), np.full(400, 0.013)]
         )
     )
-    row = np.mean(np.cos(2 * np.pi * place / period + 0.7), axis=0) + RNG.normal(
+    row = np.mean(np.cos(2 * np.pi * place / period + 0.7), axis=0) + rng.normal(
         0, 0.3, place.shape[1]
     )
     best, *_ = spectra._fine(place, row, np.ones(len(row)))
@@ -121,14 +126,14 @@ def test_samples_of_an_axis_that_stands_hide_no_wave():
     assert best == pytest.approx(3.0, abs=0.01)
 
 
-def test_a_wave_of_many_samples_is_no_burst_of_noise():
+def test_a_wave_of_many_samples_is_no_burst_of_noise(rng):
     """Of 0.3 um of white noise, a wave of 5 um and 25 samples a period in a tenth of the samples
     scatters no more; white noise of 5 um does."""
-    noise, burst = RNG.normal(0.0, 0.3, 3000), np.arange(3000) >= 2700
+    noise, burst = rng.normal(0.0, 0.3, 3000), np.arange(3000) >= 2700
     wave = 5.0 * np.cos(2 * np.pi * np.arange(3000) / 25.0) * burst
     steady = np.zeros(3000)
     assert np.median(locally(noise + wave, steady, True)[burst]) < 1.5
-    assert np.median(locally(noise + RNG.normal(0.0, 5.0, 3000) * burst, steady, True)[burst]) > 9
+    assert np.median(locally(noise + rng.normal(0.0, 5.0, 3000) * burst, steady, True)[burst]) > 9
 
 
 def test_what_comes_with_a_wave_is_small_beside_it():
@@ -153,10 +158,10 @@ def test_a_shape_that_is_unlikely_widens_little():
     assert -1.97 < low < -1.95 and 1.96 <= high < 2.0
 
 
-def test_an_axis_that_stands_tells_no_rounding():
+def test_an_axis_that_stands_tells_no_rounding(rng):
     """Commanded 205.0000 all the time is no log that is rounded to 1 mm; positions that change in
     whole mm are."""
-    still, noisy = np.full(50, 205.0), 205.0 + RNG.integers(-9, 9, 50) * 1e-4
+    still, noisy = np.full(50, 205.0), 205.0 + rng.integers(-9, 9, 50) * 1e-4
     assert rounding.noise(still, noisy) == pytest.approx(np.full(50, 1e-4 / np.sqrt(12)))
     whole = np.arange(150.0, 200.0)
     assert rounding.step(whole) == pytest.approx(np.ones(50))

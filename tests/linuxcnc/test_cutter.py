@@ -396,6 +396,24 @@ def test_verify_fails_where_the_centre_gets_worse():
     assert not verifier.passed
 
 
+@pytest.mark.parametrize("way", ["one way", "two ways"])
+def test_where_the_tool_is_not_known_no_arc_becomes_narrower(way):
+    """It may fit to the last digit. Fitted to the map, arcs of 10.5 and 30 mm would be 3 um and 6
+    um less."""
+    text, tools = ACCEPTED["pocket_large"]
+    out, _, _ = corrected(text, tools, machines()[way], stated=False)
+    radii = [
+        np.hypot(*(float(n) if n else 0.0 for n in words))
+        for words in (
+            [(re.findall(rf"{letter}(-?[\d.]+)", line) or [""])[0] for letter in "IJ"]
+            for line in out.split("\n")
+            if re.match(r"G[23]\b", line)
+        )
+    ]
+    assert len(radii) == 6
+    assert np.all(np.array(radii) > np.array([30, 10.5, 10.5, 10.5, 10.5, 30]) - 0.0005)
+
+
 def test_arcs_stay_arcs(runs):
     """Of a pocket: no chord in place of an arc, and no more arcs than it had."""
     for name in ("pocket_tangent", "pocket_corner_as_the_tool", "pocket_small_tool"):
