@@ -34,7 +34,7 @@ settings.load_profile("new" if os.environ.get("GCOMP_FUZZ") else "same")
 @pytest.hookimpl(optionalhook=True)  # without pytest-xdist nobody asks
 def pytest_xdist_auto_num_workers(config):
     """Two more than there are processors: of the time of all tests, the streaming ones wait for a
-    third. Without the slow ones hardly any waits, and each worker collects all tests (8 s)."""
+    third. Without the slow ones hardly any waits, and each worker collects all tests (5 s)."""
     waits = "not slow" not in config.option.markexpr
     return (os.cpu_count() or 1) + 2 * waits
 

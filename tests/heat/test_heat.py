@@ -15,7 +15,7 @@ from postproc.commands import reading, reading_options, warming
 from postproc.compensate import Compensator, Options
 from postproc.effects import State
 from postproc.errors import GcompError, Notice
-from postproc.heat import clock, log
+from postproc.heat import clock, follow, log
 from postproc.heat.course import spindle_lags
 from postproc.machine import growth
 from postproc.machine.file import read_machine
@@ -456,11 +456,23 @@ def test_a_screw_follows_its_thermometer_where_it_has_no_time_of_its_own(tau, fo
     assert any("screw_heat of Z is not followed" in line for line in out) is not followed
 
 
+def test_half_a_step_of_all_thermometers_is_an_eighth_of_the_tolerance(tmp_path):
+    """10 um/(m K) of X's scale over 510 mm from where it is fixed, and 20 of the work: 5.1 um and
+    10.2 um a kelvin."""
+    log = written(tmp_path, "t_s,T_scale_X_C,T_work_C", "0,20,20", "9999,25,21")
+    drivers = filter_of(machine(tmp_path), "--temperatures", log).heat.drivers
+    assert [d.most * 1000 for d in drivers] == pytest.approx([5.1, 10.2])
+    step = follow.steps(drivers, 0.001)
+    assert step == pytest.approx([1 / 8 / 5.1, 1 / 8 / 10.2])
+    assert sum(step * [5.1, 10.2]) / 2 == pytest.approx(1 / 8)
+
+
 def test_an_effect_of_size_zero_moves_nothing(tmp_path):
     zero = SCREW.format(tau=0.0).replace("alpha_ppm_K = 11.0", "alpha_ppm_K = 0.0")
     log = written(tmp_path, "t_s,T_screw_Z_C", "0,20", "9999,30")
     filter_ = filter_of(machine(tmp_path, "", zero), "--temperatures", log)
     assert [d.most for d in filter_.heat.drivers] == [0.0]
+    assert follow.steps(filter_.heat.drivers, 0.001) == [1.0]
     text = b"G21 G90 G54\nG0 X0 Y0 Z0\nG1 X400 Z100 F600\nM2\n"
     assert filter_.feed(text) + filter_.finish() == text
 
