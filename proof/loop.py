@@ -176,8 +176,8 @@ def sides(command: np.ndarray) -> np.ndarray:
 
 
 def behind(command: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """(N,) um by which a slide is off its command (N,) um: it rests until the command is half (N,) um
-    of its dead travel away, to either side. It came from below."""
+    """(N,) um by which a slide is off its command (N,) um: it rests until the command is half
+    (N,) um of its dead travel away, to either side. It came from below."""
     off, found = -float(half[0]), []
     for step, most in zip(np.diff(command, prepend=command[0]), np.abs(half), strict=True):
         off = float(np.clip(off - step, -most, most))
