@@ -51,10 +51,9 @@ for EA EB EC. ramp_mm(**parameters): the travel after a turn over which its reve
 from __future__ import annotations
 
 import importlib
-import inspect
 import pkgutil
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import field
 from functools import cache
 from types import ModuleType
@@ -287,35 +286,6 @@ def lost_motion_share(state: State, axis: str, play_mm: float) -> np.ndarray:
 def sampled(state: State) -> np.ndarray:
     """(N,) bool: rows of motions that were sampled; all where that is unknown."""
     return state.passage >= 0 if len(state.passage) == len(state) else np.ones(len(state), bool)
-
-
-def by_name(
-    parameters: Mapping[str, str], optional: Mapping[str, float], *linear: str
-) -> tuple[Callable[..., dict[str, float]], Callable[..., tuple[np.ndarray, dict[str, float]]]]:
-    """`parameters` and `coefficients` of an effect whose coefficients are the parameters `linear`,
-    in this order, and whose shape is all the others."""
-    kinds = [
-        inspect.Parameter(
-            n, inspect.Parameter.KEYWORD_ONLY, default=optional.get(n, inspect._empty)
-        )
-        for n in parameters
-    ]
-    signature = inspect.Signature(kinds)
-
-    def named(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-        sizes = dict(zip(linear, map(float, coefficients), strict=True))
-        return {
-            n: sizes[n] if n in sizes else shape.get(n, optional.get(n, 0.0)) for n in parameters
-        }
-
-    def coefficients(**values: float) -> tuple[np.ndarray, dict[str, float]]:
-        bound = signature.bind(**values)
-        bound.apply_defaults()
-        shape = {n: v for n, v in bound.arguments.items() if n not in linear}
-        return np.array([bound.arguments[n] for n in linear]), shape
-
-    coefficients.__signature__ = signature  # type: ignore[attr-defined]
-    return named, coefficients
 
 
 def waves_of(state: State, name: str, per_unit: float) -> list[np.ndarray]:

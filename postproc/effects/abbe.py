@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 
 from postproc.effects import UM, XYZ, Grid, State, Table, along, legendre
+from postproc.effects._named import by_name
 
 DEGREES, DRAWN = (1, 2, 3, 4, 5), (1.0, 3.0, 5.0)
 NODES = 161
@@ -40,6 +41,7 @@ OPTIONAL = {
 }
 # Beyond 500 mm the tool is not on that carriage, and more of an arm is a rotation that happens to
 # look like something else. Ways of a router turn by 1 mm on 1 m (unverified: usual sizes).
+DRAWN_BY = tuple(f"c{k}_urad" for k in DEGREES)
 PLAUSIBLE = {"arm_mm": (-500.0, 500.0), **{f"c{k}_urad": (-1000.0, 1000.0) for k in DEGREES}}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool", "angle")
@@ -138,41 +140,11 @@ def unsure(arm_mm: float = 0.0, **named: float) -> float:
     return abs(arm_mm) * ANGLE
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    of_map, count = bool(shape["known"]), int(shape["degree"])
-    named = {"arm_mm": float(coefficients[0]) if of_map else 0.0}
-    named |= {name: shape[name] for name in ("turn", "arm", "known", "zero_mm")}
-    named["of_file"] = shape.get("of_file", 0.0)
-    drawn = (
-        np.zeros(len(DEGREES))
-        if of_map
-        else np.concatenate([coefficients, np.zeros(len(DEGREES) - count)])
-    )
-    return (
-        named
-        | {f"c{k}_urad": float(c) for k, c in zip(DEGREES, drawn, strict=True)}
-        | {"degree": shape["degree"]}
-    )
+def _fitted(named: dict[str, float]) -> tuple[str, ...]:
+    return ("arm_mm",) if named["known"] else DRAWN_BY[: int(named["degree"])]
 
 
-def coefficients(
-    turn: float,
-    arm: float,
-    arm_mm: float = 0.0,
-    known: float = 1.0,
-    zero_mm: float = 0.0,
-    of_file: float = 0.0,
-    c1_urad: float = 0.0,
-    c2_urad: float = 0.0,
-    c3_urad: float = 0.0,
-    c4_urad: float = 0.0,
-    c5_urad: float = 0.0,
-    degree: float = 5.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    drawn = [c1_urad, c2_urad, c3_urad, c4_urad, c5_urad][: int(degree)]
-    shape = {"turn": turn, "arm": arm, "known": known, "zero_mm": zero_mm, "of_file": of_file}
-    shape["degree"] = degree
-    return np.array([arm_mm] if known else drawn), shape
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "arm_mm", *DRAWN_BY, of=_fitted)
 
 
 def by_angle(

@@ -9,7 +9,8 @@ other side of the play, whichever way it came.
 
 import numpy as np
 
-from postproc.effects import UM, State, Table, along, by_name, loads, lost_motion_share
+from postproc.effects import UM, State, Table, along, loads, lost_motion_share
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "size_um": "um, lost motion between the two directions of approach",

@@ -5,6 +5,7 @@ import numpy as np
 
 from postproc.effects import UM, State, Table, along, legendre, lost_motion_share
 from postproc.effects._curve import ENDS, curve_ends, place_in, reached
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "b0_um": "um, mean lost motion",
@@ -26,6 +27,7 @@ PARAMETERS = {
         " -1, the other one; 0, both, and each direction shows half"
     ),
 }
+SHARES = tuple(f"b{k}_um" for k in range(7))
 OPTIONAL = {
     "b2_um": 0.0,
     "b3_um": 0.0,
@@ -125,43 +127,21 @@ def _worn(place: np.ndarray, middle: float, wide: float) -> np.ndarray:
     return share
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    values, worn = [float(c) for c in coefficients], 0.0
-    if shape.get("wide_mm", 0.0) > 0:
-        worn = values.pop()
-    shares = [*values, *[0.0] * 6][:7]
-    return (
-        {f"b{k}_um": c for k, c in enumerate(shares)}
-        | {"worn_um": worn, "worn_mm": 0.0, "wide_mm": 0.0, "flank": 0.0}
-        | dict.fromkeys(ENDS, 0.0)
-        | shape
-    )
+def _with_degree(named: dict[str, float]) -> dict[str, float]:
+    """With the degree that its sizes need, where a lower one is stated."""
+    b, worn = [named[name] for name in SHARES], named["wide_mm"] > 0
+    shown = 6.0 if any(b[3:]) else 2.0 if b[2] else 1.0 if b[1] or not worn else 0.0
+    return named | {"degree": max(0.0 if worn else named["degree"], shown)}
 
 
-def coefficients(
-    b0_um: float,
-    b1_um: float = 0.0,
-    b2_um: float = 0.0,
-    b3_um: float = 0.0,
-    b4_um: float = 0.0,
-    b5_um: float = 0.0,
-    b6_um: float = 0.0,
-    play_mm: float = 0.0,
-    degree: float = 2.0,
-    worn_um: float = 0.0,
-    worn_mm: float = 0.0,
-    wide_mm: float = 0.0,
-    from_mm: float = 0.0,
-    to_mm: float = 0.0,
-    flank: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    shares = [b0_um, b1_um, b2_um, b3_um, b4_um, b5_um, b6_um]
-    shown = 6.0 if any(shares[3:]) else 2.0 if b2_um else 1.0 if b1_um or wide_mm <= 0 else 0.0
-    degree = max(degree if wide_mm <= 0 else 0.0, shown)
-    values = shares[: int(degree) + 1] + ([worn_um] if wide_mm > 0 else [])
-    shape = {"play_mm": play_mm, "degree": degree, "worn_mm": worn_mm, "wide_mm": wide_mm}
-    shape |= {"from_mm": from_mm, "to_mm": to_mm, "flank": flank}
-    return np.array(values), shape
+def _fitted(named: dict[str, float]) -> tuple[str, ...]:
+    shares = SHARES[: int(named["degree"]) + 1]
+    return (*shares, "worn_um") if named["wide_mm"] > 0 else shares
+
+
+parameters, coefficients = by_name(
+    PARAMETERS, OPTIONAL, *SHARES, "worn_um", of=_fitted, first=_with_degree
+)
 
 
 def further_cost(axis: str, shape: dict[str, float]) -> float:

@@ -4,6 +4,7 @@
 import numpy as np
 
 from postproc.effects import XYZ, State, Table, along, legendre, one_way
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "size_um": "um, second Legendre polynomial over the travel",
@@ -12,13 +13,14 @@ PARAMETERS = {
     "degree": "number of the highest polynomial, 2 to 4",
     "fourth_um": "um, the fourth",
 }
+SIZES = ("size_um", "third_um", "fourth_um")
 OPTIONAL = {"third_um": 0.0, "degree": 3.0, "fourth_um": 0.0}
 # A beam under its own weight bends as a polynomial of the fourth degree, on supports or clamped
 # (Young, Budynas, Roark's Formulas for Stress and Strain, table 8.1).
 HIGHEST = (2.0, 3.0, 4.0)
 # A router's rail of 2 m, bolted to a frame of welded tube, is 1 mm off at its middle (unverified).
 # beyond, it is something else
-PLAUSIBLE = dict.fromkeys(("size_um", "third_um", "fourth_um"), (-1000.0, 1000.0))
+PLAUSIBLE = dict.fromkeys(SIZES, (-1000.0, 1000.0))
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool",)
 TEXT = (
@@ -37,22 +39,15 @@ def columns(state: State, axis: str, across: float, degree: float = 3.0) -> np.n
     return along(way, *(legendre(u, d) for d in range(2, int(degree) + 1)))
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    values = np.pad(coefficients, (0, 3 - len(coefficients)))
-    named = zip(("size_um", "third_um", "fourth_um"), map(float, values), strict=True)
-    return dict(named) | {"degree": 3.0} | shape
+def _within(named: dict[str, float]) -> dict[str, float]:
+    return named | {"degree": float(np.clip(named["degree"], HIGHEST[0], HIGHEST[-1]))}
 
 
-def coefficients(
-    size_um: float,
-    across: float,
-    third_um: float = 0.0,
-    degree: float = 3.0,
-    fourth_um: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    degree = float(np.clip(degree, HIGHEST[0], HIGHEST[-1]))
-    value = [size_um, third_um, fourth_um][: int(degree) - 1]
-    return np.array(value), {"across": across, "degree": degree}
+def _fitted(named: dict[str, float]) -> tuple[str, ...]:
+    return SIZES[: int(named["degree"]) - 1]
+
+
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, *SIZES, of=_fitted, first=_within)
 
 
 def tables(axis: str, travel: tuple[float, float], across: float, **named: float) -> list[Table]:

@@ -13,6 +13,7 @@ from itertools import product
 import numpy as np
 
 from postproc.effects import State, along, grid, sampled
+from postproc.effects._named import by_name
 from postproc.effects.delay import PLAUSIBLE as PLAUSIBLE_DELAY
 
 PARAMETERS = {
@@ -88,21 +89,4 @@ def columns(
     )
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    named = {"ppm": float(coefficients[0])} | OPTIONAL | shape
-    if len(coefficients) > 1:
-        named["drift_us_s2"] = float(coefficients[1])
-    return {name: named[name] for name in PARAMETERS}
-
-
-def coefficients(
-    ppm: float,
-    whole: float = 0.0,
-    every_s: float = 0.0,
-    gone: float = 0.0,
-    drift_us_s2: float = 0.0,
-    drifts: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    drifts = drifts or float(drift_us_s2 != 0.0)
-    sizes = [ppm, drift_us_s2] if drifts else [ppm]
-    return np.array(sizes), {"whole": whole, "every_s": every_s, "gone": gone, "drifts": drifts}
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "ppm", "drift_us_s2", second_if="drifts")

@@ -8,7 +8,8 @@ aligned anew between two runs (ISO 230-1, alignment of the beam).
 
 import numpy as np
 
-from postproc.effects import State, by_name
+from postproc.effects import State
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "ppm": "um/m, never above zero: minus half the square of the angle",

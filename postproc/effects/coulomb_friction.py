@@ -11,14 +11,8 @@ from itertools import product
 
 import numpy as np
 
-from postproc.effects import (
-    State,
-    along,
-    followed,
-    lost_motion_share,
-    sampled,
-    settling,
-)
+from postproc.effects import State, along, followed, lost_motion_share, sampled, settling
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "size_um": "um, difference between the two directions",
@@ -28,6 +22,7 @@ PARAMETERS = {
     "stribeck_um": "um, by how much the difference is larger at the slowest speeds",
     "stribeck_mm_s": "mm/s, speed at which that has fallen to a third; 0, none",
 }
+SIZES = ("size_um", "stribeck_um")
 OPTIONAL = {
     "play_mm": 0.0,
     "settle_ms": 0.0,
@@ -87,29 +82,11 @@ def columns(
     return along(axis, lag, lag * np.exp(-((state.velocity[axis] / stribeck_mm_s) ** 2)))
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    more = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return {"size_um": float(coefficients[0]), "stribeck_um": more} | {
-        name: shape.get(name, 0.0) for name in WITHOUT
-    }
+def _fitted(named: dict[str, float]) -> tuple[str, ...]:
+    return SIZES if named["stribeck_mm_s"] > 0 else SIZES[:1]
 
 
-def coefficients(
-    size_um: float,
-    play_mm: float = 0.0,
-    settle_ms: float = 0.0,
-    released: float = 0.0,
-    stribeck_um: float = 0.0,
-    stribeck_mm_s: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    values = [size_um, stribeck_um] if stribeck_mm_s > 0 else [size_um]
-    shape = {
-        "play_mm": play_mm,
-        "settle_ms": settle_ms,
-        "released": released,
-        "stribeck_mm_s": stribeck_mm_s,
-    }
-    return np.array(values), shape
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, *SIZES, of=_fitted)
 
 
 def sensible(size_um: float, stribeck_um: float, **others: float) -> bool:

@@ -9,6 +9,7 @@ measurement and control on precision machine tools with laser interferometry, Pr
 import numpy as np
 
 from postproc.effects import State, first_timed, low_pass
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "um_K": "um per K, reading over the temperature of the air",
@@ -58,18 +59,4 @@ def columns(
     return np.stack(found) * 1e-3
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    rate = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return dict(OPTIONAL) | shape | {"um_K": float(coefficients[0]), "um_h": rate}
-
-
-def coefficients(
-    um_K: float,
-    file: float = -1.0,
-    late_s: float = 0.0,
-    um_h: float = 0.0,
-    pressure: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    pressure = pressure or float(um_h != 0.0)
-    shape = {"file": file, "late_s": late_s, "pressure": pressure}
-    return np.array([um_K, um_h] if pressure else [um_K]), shape
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "um_K", "um_h", second_if="pressure")

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from postproc.effects import State, along, by_name
+from postproc.effects import State, along
+from postproc.effects._named import by_name
 
 PARAMETERS = {"delay_ms": "ms, delay of the recording"}
 PLAUSIBLE = {"delay_ms": (0.0, 5.0)}  # beyond, it is something else

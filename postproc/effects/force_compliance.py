@@ -7,7 +7,8 @@ load to 2/3 (Hertz), and what is made of both in between.
 
 import numpy as np
 
-from postproc.effects import State, along, by_name, loads
+from postproc.effects import State, along, loads
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "um_per_N": "um per N, deflection along the axis at the usual load",

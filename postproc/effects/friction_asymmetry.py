@@ -10,6 +10,7 @@ one (see viscous_friction).
 import numpy as np
 
 from postproc.effects import State, along, grid, reversal_spike, sampled
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "size_um": "um, mean height of the excursion after a turn",
@@ -26,6 +27,7 @@ PARAMETERS = {
     "power": "1, of the speed that its slopes go with: then um at 100 mm/s; below 1 for grease",
     "length_mm": "mm, over which way it lasts, at any speed; 0, for a time, or as long as it moves",
 }
+SIZES = ("size_um", "slope_um", "difference_um", "difference_slope_um")
 OPTIONAL = {"released": 0.0, "power": 1.0, "length_mm": 0.0}
 CONTINUOUS = {"tau_ms": (4.0, 600.0), "power": (0.3, 0.9), "length_mm": (0.01, 4.0)}
 PLAUSIBLE = reversal_spike.PLAUSIBLE | {"difference_um": (-500.0, 500.0)}
@@ -124,32 +126,11 @@ def _rms(size: float, slope: float) -> float:
     return float(np.sqrt(size**2 / 2 + size * slope / 2 + slope**2 / 4))
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    values = [float(c) for c in coefficients]
-    if len(values) == 2:
-        values = [values[0], 0.0, values[1], 0.0]
-    if len(values) == 3:
-        values.insert(2, 0.0)
-    names = ("size_um", "slope_um", "difference_um", "difference_slope_um")
-    return dict(zip(names, values, strict=True)) | {
-        "tau_ms": shape["tau_ms"],
-        "released": shape.get("released", 0.0),
-        "power": shape.get("power", 1.0),
-        "length_mm": shape.get("length_mm", 0.0),
-    }
+def _fitted(named: dict[str, float]) -> tuple[str, ...]:
+    """The parameters that enter linearly. Of a plain lag the mean at rest is an unknown zero."""
+    if named["tau_ms"] > 0 or named["length_mm"] > 0:
+        return SIZES
+    return (SIZES[0], SIZES[2]) if named["released"] else (*SIZES[:2], SIZES[3])
 
 
-def coefficients(
-    size_um: float,
-    slope_um: float,
-    difference_um: float,
-    difference_slope_um: float,
-    tau_ms: float,
-    released: float = 0.0,
-    power: float = 1.0,
-    length_mm: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    values = [size_um, slope_um, difference_um, difference_slope_um]
-    few = [size_um, difference_um] if released else [*values[:2], values[3]]
-    shape = {"tau_ms": tau_ms, "released": released, "power": power, "length_mm": length_mm}
-    return np.array(values if tau_ms > 0 or length_mm > 0 else few), shape
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, *SIZES, of=_fitted)

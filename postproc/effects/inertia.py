@@ -6,7 +6,8 @@ of the position loop, and goes with the time constant of the latter.
 
 import numpy as np
 
-from postproc.effects import State, along, by_name, followed, settling
+from postproc.effects import State, along, followed, settling
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "um_per_mm_s2": "um per mm/s2, deflection for an acceleration",

@@ -9,6 +9,7 @@ wrong from the first reading on, or by all that the air differs from 20 degrees.
 import numpy as np
 
 from postproc.effects import State
+from postproc.effects._named import by_name
 
 REFERENCE = 20.0  # degrees C (ISO 1)
 FILES = 8  # recordings of a laser whose air may change, each in its own way
@@ -31,9 +32,8 @@ PARAMETERS = {
 }
 EXPECTED = {"ppm_K": -1}
 PLAUSIBLE = {"ppm_K": (-30.0, 30.0), "wrong_ppm": (-150.0, 150.0)}  # beyond, it is something else
-OPTIONAL = {"ppm_K": 0.0, "told": 0.0, "wrong_ppm": 0.0, "by": 1.0} | {
-    f"ppm_h_{k}": 0.0 for k in range(1, FILES + 1)
-}
+RATES = tuple(f"ppm_h_{k}" for k in range(1, FILES + 1))
+OPTIONAL = {"ppm_K": 0.0, "told": 0.0, "wrong_ppm": 0.0, "by": 1.0} | dict.fromkeys(RATES, 0.0)
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = (), ("laser",)
 LIGHT = True
@@ -95,34 +95,9 @@ def _since(state: State, driver: np.ndarray, file: float) -> np.ndarray:
     return changed
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    value = [float(v) for v in coefficients]
-    wrong = value.pop() if shape["told"] else 0.0
-    by = shape.get("by", 1.0)
-    named = {
-        "ppm_K": value[0] if by > 0 else 0.0,
-        "wrong_ppm": wrong,
-        "told": shape["told"],
-        "by": by,
-    }
-    rates = (value if by < 0 else []) + [0.0] * FILES
-    return named | {f"ppm_h_{k}": rates[k - 1] for k in range(1, FILES + 1)}
+def _fitted(named: dict[str, float]) -> tuple[str, ...]:
+    drifts = ("ppm_K",) if named["by"] > 0 else RATES[: int(-named["by"])]
+    return (*drifts, "wrong_ppm") if named["told"] else drifts
 
 
-def coefficients(
-    ppm_K: float = 0.0,
-    wrong_ppm: float = 0.0,
-    told: float = 0.0,
-    by: float = 1.0,
-    ppm_h_1: float = 0.0,
-    ppm_h_2: float = 0.0,
-    ppm_h_3: float = 0.0,
-    ppm_h_4: float = 0.0,
-    ppm_h_5: float = 0.0,
-    ppm_h_6: float = 0.0,
-    ppm_h_7: float = 0.0,
-    ppm_h_8: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    rates = [ppm_h_1, ppm_h_2, ppm_h_3, ppm_h_4, ppm_h_5, ppm_h_6, ppm_h_7, ppm_h_8]
-    value = [ppm_K] if by > 0 else rates[: int(-by)]
-    return np.array([*value, wrong_ppm] if told else value), {"told": told, "by": by}
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "ppm_K", *RATES, "wrong_ppm", of=_fitted)

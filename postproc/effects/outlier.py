@@ -3,7 +3,8 @@ number mistyped."""
 
 import numpy as np
 
-from postproc.effects import State, along, by_name
+from postproc.effects import State, along
+from postproc.effects._named import by_name
 
 PARAMETERS = {"jump_um": "um, by how much the reading is off", "t_s": "s, when it was taken"}
 KIND, USE, PER = "data", "recording", "axis"

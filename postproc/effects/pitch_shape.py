@@ -5,6 +5,7 @@ import numpy as np
 
 from postproc.effects import State, Table, along, legendre, one_way
 from postproc.effects._curve import curve_ends, place_in
+from postproc.effects._named import by_name
 
 MOST = 9
 PARAMETERS = {
@@ -49,32 +50,20 @@ def columns(
     return along(axis, *(legendre(u, k) for k in degrees(degree)))
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    named = dict(OPTIONAL) | shape
-    return named | {
-        f"c{k}_um": float(c) for k, c in zip(degrees(shape["degree"]), coefficients, strict=True)
-    }
+def _with_degree(named: dict[str, float]) -> dict[str, float]:
+    """With the degree that its sizes need, where none is stated."""
+    high = any(named[f"c{k}_um"] for k in range(6, MOST + 1))
+    needed = float(MOST) if high else 5.0 if named["c1_um"] else -5.0
+    return named | {"degree": named["degree"] or needed}
 
 
-def coefficients(
-    c1_um: float = 0.0,
-    c2_um: float = 0.0,
-    c3_um: float = 0.0,
-    c4_um: float = 0.0,
-    c5_um: float = 0.0,
-    c6_um: float = 0.0,
-    c7_um: float = 0.0,
-    c8_um: float = 0.0,
-    c9_um: float = 0.0,
-    degree: float = 0.0,
-    from_mm: float = 0.0,
-    to_mm: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    shares = [c1_um, c2_um, c3_um, c4_um, c5_um, c6_um, c7_um, c8_um, c9_um]
-    if not degree:
-        degree = float(MOST) if any(shares[5:]) else 5.0 if c1_um else -5.0
-    shape = {"degree": degree, "from_mm": from_mm, "to_mm": to_mm}
-    return np.array([shares[k - 1] for k in degrees(degree)]), shape
+def _fitted(named: dict[str, float]) -> list[str]:
+    return [f"c{k}_um" for k in degrees(named["degree"])]
+
+
+parameters, coefficients = by_name(
+    PARAMETERS, OPTIONAL, *list(PARAMETERS)[:MOST], of=_fitted, first=_with_degree
+)
 
 
 def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table]:

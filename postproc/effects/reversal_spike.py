@@ -10,7 +10,8 @@ takes back in a time: at a higher feed the spike is higher.
 
 import numpy as np
 
-from postproc.effects import State, along, by_name, followed, grid, sampled
+from postproc.effects import State, along, followed, grid, sampled
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "size_um": "um, height of the excursion",

@@ -16,8 +16,9 @@ from itertools import permutations, product
 
 import numpy as np
 
-from postproc.effects import UM, XYZ, Grid, State, by_name
+from postproc.effects import UM, XYZ, Grid, State
 from postproc.effects import along as towards
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "size_um": "um, at the end of the other axis' travel; of a beam at the middle of both",

@@ -6,7 +6,8 @@ ISO 230-2: the slope of the positioning deviation.
 
 import numpy as np
 
-from postproc.effects import State, Table, along, by_name, one_way
+from postproc.effects import State, Table, along, one_way
+from postproc.effects._named import by_name
 
 PARAMETERS = {"ppm": "um/m, how much too long the travel is per length"}
 # Rolled trapezoidal screws, the worst, are sold with 0.3 mm on 300 mm (unverified: makers'

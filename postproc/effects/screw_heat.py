@@ -6,9 +6,12 @@ rest: heat comes until then, and goes with the same time constant. Who reads it 
 it in a pause between two readings: then heat comes in that pause.
 """
 
+from itertools import compress
+
 import numpy as np
 
 from postproc.effects import State, along, first_timed, sampled, temperature_rise
+from postproc.effects._named import by_name
 from postproc.effects.structure_drift import QUICKEST
 
 PARAMETERS = {
@@ -32,6 +35,7 @@ PARAMETERS = {
     "from_s": "s, after the first reading, when a pause began in which the axis was run warm",
     "to_s": "s, after the first reading, when that pause ended and it cooled; 0, there was none",
 }
+SIZES = ("alpha_ppm_K", "grown_ppm", "fixed_um_K", "warm_ppm")
 OPTIONAL = {
     "alpha_ppm_K": 0.0,
     "grown_ppm": 0.0,
@@ -153,42 +157,16 @@ def columns(
     return along(axis, heat * place, *([heat] if free else []), *([place] if warm else []))
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    value = [float(v) for v in coefficients]
-    warm = value.pop() if shape.get("warm") else 0.0
-    fixed = value[1] if len(value) > 1 else 0.0
-    alpha, grown = (0.0, value[0]) if shape["tau_s"] > 0 else (value[0], 0.0)
-    sizes = {"alpha_ppm_K": alpha, "grown_ppm": grown, "fixed_um_K": fixed}
-    rest = {name: shape.get(name, 0.0) for name in ("warm", *ALL_THE_TIME)}
-    return sizes | shape | {"warm_ppm": warm} | rest
+def _as_driven(named: dict[str, float]) -> dict[str, float]:
+    """The expansion under the name that it has by its driver, whichever it was stated by."""
+    heat = named["alpha_ppm_K"] + named["grown_ppm"]
+    by_time = named["tau_s"] > 0
+    return named | {"alpha_ppm_K": 0.0 if by_time else heat, "grown_ppm": heat if by_time else 0.0}
 
 
-def coefficients(
-    alpha_ppm_K: float = 0.0,
-    grown_ppm: float = 0.0,
-    fixed_um_K: float = 0.0,
-    tau_s: float = 0.0,
-    by_travel: float = 0.0,
-    held_at_mm: float = 0.0,
-    free: float = 1.0,
-    warm_ppm: float = 0.0,
-    warm: float = 0.0,
-    until_s: float = 0.0,
-    from_s: float = 0.0,
-    to_s: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    value = [
-        alpha_ppm_K + grown_ppm,
-        *([fixed_um_K] if free else []),
-        *([warm_ppm] if warm else []),
-    ]
-    return np.array(value), {
-        "tau_s": tau_s,
-        "by_travel": by_travel,
-        "held_at_mm": held_at_mm,
-        "free": free,
-        "warm": warm,
-        "until_s": until_s,
-        "from_s": from_s,
-        "to_s": to_s,
-    }
+def _fitted(named: dict[str, float]) -> list[str]:
+    there = (named["tau_s"] <= 0, named["tau_s"] > 0, named["free"], named["warm"])
+    return list(compress(SIZES, there))
+
+
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, *SIZES, of=_fitted, first=_as_driven)

@@ -6,7 +6,8 @@ reads a length as wrong.
 
 import numpy as np
 
-from postproc.effects import State, by_name
+from postproc.effects import State
+from postproc.effects._named import by_name
 from postproc.effects.laser_air import light
 
 PARAMETERS = {"K_per_h": "K/h, by how much more the thermometer reads with every hour"}

@@ -9,7 +9,8 @@ the control of feed drives).
 
 import numpy as np
 
-from postproc.effects import State, along, by_name, followed, settling
+from postproc.effects import State, along, followed, settling
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "tau_ms": "ms, lag behind the command in steady motion, as a time",

@@ -8,6 +8,7 @@ by no equal amounts: their mean is the lag of both. Two axes that both lag are t
 import numpy as np
 
 from postproc.effects import State, along, followed, settling
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "delta_tau_ms": "ms, lag of the first axis minus that of the second",
@@ -45,16 +46,6 @@ def columns(state: State, axis: str, unequal: float = 0.0, settle_ms: float = 0.
     return np.concatenate([half, first + second]) if unequal else half
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    mean = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return {"delta_tau_ms": float(coefficients[0]), "mean_tau_ms": mean} | {
-        name: shape.get(name, 0.0) for name in ("unequal", "settle_ms")
-    }
-
-
-def coefficients(
-    delta_tau_ms: float, mean_tau_ms: float = 0.0, unequal: float = 0.0, settle_ms: float = 0.0
-) -> tuple[np.ndarray, dict[str, float]]:
-    unequal = unequal or float(mean_tau_ms != 0.0)
-    sizes = [delta_tau_ms, mean_tau_ms] if unequal else [delta_tau_ms]
-    return np.array(sizes), {"unequal": unequal, "settle_ms": settle_ms}
+parameters, coefficients = by_name(
+    PARAMETERS, OPTIONAL, "delta_tau_ms", "mean_tau_ms", second_if="unequal"
+)

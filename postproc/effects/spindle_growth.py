@@ -8,11 +8,13 @@ go with it.
 """
 
 import math
+from itertools import compress
 from typing import Any
 
 import numpy as np
 
 from postproc.effects import State, along, first_timed, grid, recurrence
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "tau_s": "s, 0: by the recorded temperature, else the time in which it warms",
@@ -30,6 +32,7 @@ PARAMETERS = {
     ),
     "fastest_rpm": "1/min, the fastest speed, above 0",
 }
+SIZES = ("um_per_1000_rpm", "um_per_K", "housing_um", "shift_um")
 OPTIONAL = {
     "um_per_1000_rpm": 0.0,
     "um_per_K": 0.0,
@@ -176,42 +179,17 @@ def _lag(
     return heat + above * first, slow
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    value = [float(v) for v in coefficients]
-    shifted = value.pop() if shape.get("shift") else 0.0
-    housing = value.pop() if shape.get("housing_s", 0.0) > 0 else 0.0
-    warm = (value[0], 0.0) if shape["tau_s"] > 0 else (0.0, value[0])
-    sizes = {
-        "um_per_1000_rpm": warm[0],
-        "um_per_K": warm[1],
-        "housing_um": housing,
-        "shift_um": shifted,
-    }
-    return sizes | {"housing_s": 0.0, "shift": 0.0, "power": 1.0, "fastest_rpm": 1000.0} | shape
+def _as_driven(named: dict[str, float]) -> dict[str, float]:
+    """The growth under the name that it has by its driver, whichever it was stated by."""
+    warm = named["um_per_1000_rpm"] + named["um_per_K"]
+    by_time = named["tau_s"] > 0
+    sizes = {"um_per_1000_rpm": warm if by_time else 0.0, "um_per_K": 0.0 if by_time else warm}
+    return named | sizes | {"shift": named["shift"] or float(named["shift_um"] != 0.0)}
 
 
-def coefficients(
-    tau_s: float,
-    um_per_1000_rpm: float = 0.0,
-    um_per_K: float = 0.0,
-    housing_um: float = 0.0,
-    housing_s: float = 0.0,
-    shift_um: float = 0.0,
-    shift: float = 0.0,
-    power: float = 1.0,
-    fastest_rpm: float = 1000.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    shifts = shift or float(shift_um != 0.0)
-    value = [
-        um_per_1000_rpm + um_per_K,
-        *([housing_um] if housing_s > 0 else []),
-        *([shift_um] if shifts else []),
-    ]
-    shape = {
-        "tau_s": tau_s,
-        "housing_s": housing_s,
-        "shift": shifts,
-        "power": power,
-        "fastest_rpm": fastest_rpm,
-    }
-    return np.array(value), shape
+def _fitted(named: dict[str, float]) -> list[str]:
+    there = (named["tau_s"] > 0, named["tau_s"] <= 0, named["housing_s"] > 0, named["shift"])
+    return list(compress(SIZES, there))
+
+
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, *SIZES, of=_fitted, first=_as_driven)

@@ -12,6 +12,7 @@ is seen: while the axis creeps it lags by half a tooth and more.
 import numpy as np
 
 from postproc.effects import ENDLESS, State, along, grid
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "period_mm": "mm, way that it is driven on while it sticks; 0, too short to be told apart",
@@ -21,6 +22,7 @@ PARAMETERS = {
     "mean_um": "um, mean lag while it creeps with jumps that are told apart",
     "scatter": "1, standard deviation of the ways of its cycles over their mean; 0, all are alike",
 }
+SIZES = ("size_um", "mean_um")
 OPTIONAL = {"fastest_mm_s": 0.0, "slip_ms": 0.0, "mean_um": 0.0, "scatter": 0.0}
 PLAIN = {"slip_ms": 0.0, "scatter": 0.0}
 SHORTEST = 0.2  # of period_mm: a cycle that is drawn
@@ -144,19 +146,8 @@ def columns(
     return along(axis, sawtooth * lag, lag)
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    mean = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return dict(OPTIONAL) | shape | {"size_um": float(coefficients[0]), "mean_um": mean}
+def _fitted(named: dict[str, float]) -> tuple[str, ...]:
+    return SIZES if named["period_mm"] > 0 else SIZES[:1]
 
 
-def coefficients(
-    period_mm: float,
-    size_um: float,
-    fastest_mm_s: float = 0.0,
-    slip_ms: float = 0.0,
-    mean_um: float = 0.0,
-    scatter: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    shape = {"period_mm": period_mm, "fastest_mm_s": fastest_mm_s, "slip_ms": slip_ms}
-    shape["scatter"] = scatter
-    return np.array([size_um, mean_um] if period_mm > 0 else [size_um]), shape
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, *SIZES, of=_fitted)

@@ -4,6 +4,7 @@ difference."""
 import numpy as np
 
 from postproc.effects import State
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "diameter_um": "um, how much larger the tool is",
@@ -11,6 +12,7 @@ PARAMETERS = {
     "then_um": "um, how much larger it is from that part on",
     "bores": "1, it makes the bores too; 0, another tool does, such as a drill or a boring head",
 }
+SIZES = ("diameter_um", "then_um")
 OPTIONAL = {"change": 0.0, "then_um": 0.0, "bores": 1.0}
 # A cutter that was ground again; beyond, it is another tool (unverified).
 PLAUSIBLE = {"diameter_um": (-1000.0, 1000.0), "then_um": (-1000.0, 1000.0)}
@@ -41,18 +43,8 @@ def columns(state: State, axis: str, change: float = 0.0, bores: float = 1.0) ->
     return np.repeat(np.stack([walls * ~then, walls * then])[:, None] * 1e-3, 3, axis=1)
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    then = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return {
-        "diameter_um": float(coefficients[0]),
-        "change": shape.get("change", 0.0),
-        "then_um": then,
-        "bores": shape.get("bores", 1.0),
-    }
+def _fitted(named: dict[str, float]) -> tuple[str, ...]:
+    return SIZES if named["change"] else SIZES[:1]
 
 
-def coefficients(
-    diameter_um: float, change: float = 0.0, then_um: float = 0.0, bores: float = 1.0
-) -> tuple[np.ndarray, dict[str, float]]:
-    shape = {"change": change, "bores": bores}
-    return np.array([diameter_um, then_um] if change else [diameter_um]), shape
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, *SIZES, of=_fitted)

@@ -7,6 +7,7 @@ are changed after a number of parts, and parts are cut while the spindle runs.
 import numpy as np
 
 from postproc.effects import State, along
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "rate_um": "um, wear of the edge from part to part; at a gauge, of its whole life",
@@ -25,6 +26,7 @@ PARAMETERS = {
     "every": "parts after which it is changed again, every time; 0: it is not",
     "file": "number of the one recording in which it is changed, 0 the first; -1: in all",
 }
+SIZES = ("rate_um", "start_um", "worn_um")
 OPTIONAL = {
     "bores": 1.0,
     "worn_um": 0.0,
@@ -175,32 +177,9 @@ def _channel(state: State, name: str) -> np.ndarray:
     return state.channels.get(name, np.zeros(len(state)))
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    values = [*(float(c) for c in coefficients), 0.0][:3]
-    named = dict(zip(("rate_um", "start_um", "worn_um"), values, strict=True))
-    return named | {name: v for name, v in OPTIONAL.items() if name != "worn_um"} | shape
+def _fitted(named: dict[str, float]) -> tuple[str, ...]:
+    worn_before = (named["change"] > 0 and named["every"] <= 0) or named["older"]
+    return SIZES if worn_before else SIZES[:2]
 
 
-def coefficients(
-    rate_um: float,
-    start_um: float,
-    change: float,
-    worn_um: float = 0.0,
-    bores: float = 1.0,
-    life: float = 0.0,
-    older: float = 0.0,
-    cut: float = 0.0,
-    every: float = 0.0,
-    file: float = -1.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    first = (change > 0 and every <= 0) or older
-    values = [rate_um, start_um, worn_um] if first else [rate_um, start_um]
-    return np.array(values), {
-        "change": change,
-        "bores": bores,
-        "life": life,
-        "older": older,
-        "cut": cut,
-        "every": every,
-        "file": file,
-    }
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, *SIZES, of=_fitted)

@@ -9,7 +9,8 @@ Automatica 30, 1994, 1083), which a lag never does.
 
 import numpy as np
 
-from postproc.effects import State, along, by_name, followed
+from postproc.effects import State, along, followed
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "um_s_mm": "um per mm/s, deflection for a speed; with a power below 1 at 10 mm/s",

@@ -13,6 +13,7 @@ tool feed drives, CIRP Annals 60 (2011) 779): then it winds up more at one end o
 import numpy as np
 
 from postproc.effects import UM, State, Table, along, grid, sampled
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "size_um": "um, lost motion when it is fully built up",
@@ -139,32 +140,7 @@ def _at_once(way: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     return share
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    grows_um = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return {
-        "size_um": float(coefficients[0]),
-        "grows_um": grows_um,
-        "grows": 0.0,
-        "spread": 0.0,
-        "stairs": 0.0,
-    } | shape
-
-
-def coefficients(
-    size_um: float,
-    length_mm: float,
-    grows_um: float = 0.0,
-    grows: float = 0.0,
-    spread: float = 0.0,
-    stairs: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    grown = grows or float(grows_um != 0.0)
-    return np.array([size_um, grows_um] if grown else [size_um]), {
-        "length_mm": length_mm,
-        "grows": grown,
-        "spread": spread,
-        "stairs": stairs,
-    }
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "size_um", "grows_um", second_if="grows")
 
 
 def ramp_mm(size_um: float, length_mm: float, spread: float = 0.0, **_: float) -> float:

@@ -102,7 +102,7 @@ def test_a_flank_that_is_worn_shows_where_the_axis_comes_from_its_side(tmp_path,
 def test_a_worn_flank_is_in_the_table_of_its_direction_alone():
     """2 um all along, and 10 um more where readings stand: -1 - 10 um where the axis comes in +, 1
     where it comes in -, by table as by reading."""
-    shape = dict(b0_um=2.0, worn_um=10.0, worn_mm=100.0, wide_mm=80.0, flank=1.0)
+    shape = dict(b0_um=2.0, b1_um=0.0, worn_um=10.0, worn_mm=100.0, wide_mm=80.0, flank=1.0)
     ((_, _, nodes, forward, reverse),) = backlash_position.tables("X", (0.0, 400.0), **shape)
     there = int(np.argmin(np.abs(nodes - 100.0)))
     assert forward[there] * 1e3 == pytest.approx(-11.0, abs=0.01)
