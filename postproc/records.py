@@ -117,10 +117,7 @@ def _frozen(self: Any, name: str, value: object = None) -> None:
 
 def _values(self: Any) -> tuple[Any, ...]:
     read = self._read
-    values: tuple[Any, ...] = (
-        read(self) if read else tuple(getattr(self, name) for name in self._names)
-    )
-    return values
+    return read(self) if read else tuple(getattr(self, name) for name in self._names)
 
 
 def _equal(self: Any, other: object) -> bool:

@@ -147,8 +147,7 @@ class Slides:
         before the motion goes on."""
         moved = (begin != end)[self.rows]
         tells = 2 * self.half(end / TICKS_PER_MM) > self.hysteresis
-        result: np.ndarray = (~moved | tells).all(axis=0)
-        return result
+        return (~moved | tells).all(axis=0)
 
     def run(self, motions: Motions) -> Led:
         """Follow a batch."""

@@ -49,8 +49,7 @@ def _of_squareness(machine: Machine, table: ErrorTable) -> Iterator[np.ndarray]:
 def _along(table: AxisTable, row: int, nodes: np.ndarray) -> np.ndarray:
     """(K,) the larger size of both directions of a component at nodes."""
     both = np.abs(np.stack([table.forward, table.reverse])[:, row])
-    found: np.ndarray = np.interp(nodes, table.nodes, both.max(axis=0))
-    return found
+    return np.interp(nodes, table.nodes, both.max(axis=0))
 
 
 def held(table: ErrorTable, export: Export) -> bool:

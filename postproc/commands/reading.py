@@ -103,10 +103,9 @@ def _of_control(table: ControlTable, file: Path) -> list[ErrorTable]:
     if table.settings is not None:
         extra |= {"settings": _source(table.settings).text, "settings_name": str(table.settings)}
     source = _source(file)
-    found: list[ErrorTable] = control_tables.load(table.control).read(
+    return control_tables.load(table.control).read(
         source, control_tables.ExportOptions(extra=extra)
     )
-    return found
 
 
 def _added(found: ErrorTable, sign: float) -> AxisTable:

@@ -30,8 +30,7 @@ def height(sweep: np.ndarray) -> np.ndarray:
     2)."""
     tangent = np.tan(sweep * (HALF / 2))
     square = tangent * tangent
-    result: np.ndarray = 2.0 * square / (1.0 + square)
-    return result
+    return 2.0 * square / (1.0 + square)
 
 
 def points(

@@ -157,8 +157,7 @@ class Proof:
 
     def _largest(self, value: np.ndarray) -> np.ndarray:
         """(R,) largest of (N,) sizes over each run."""
-        result: np.ndarray = np.maximum.reduceat(value, self.edges)[:: self.runs]
-        return result
+        return np.maximum.reduceat(value, self.edges)[:: self.runs]
 
     def _candidates(self) -> Iterator[tuple[np.ndarray, np.ndarray, Most, np.ndarray]]:
         """(2, R) mm centres as the control will have them, nan for none, (R,) the R words that make

@@ -157,8 +157,7 @@ class Settings:
         if self.follows:
             axes = int(self.machine.two_way[self.rows].sum())
             beyond = 1.5 * self.hysteresis * float(np.sqrt(axes))
-        allowed: np.ndarray = self.tolerance + beyond + grid / 2 + 1e-9
-        return allowed
+        return self.tolerance + beyond + grid / 2 + 1e-9
 
     def _directions(self) -> None:
         """Whether sides are followed at all; (A,) ticks of hysteresis and of ramps; rows of axes

@@ -19,8 +19,7 @@ def around(power: np.ndarray) -> np.ndarray:
         medians[whole] = np.median(windows[at[whole] - SPECTRUM], axis=1)
     for k in np.flatnonzero(~whole):  # cut off at either end
         medians[k] = np.median(power[max(0, at[k] - SPECTRUM) : at[k] + SPECTRUM + 1])
-    level: np.ndarray = np.repeat(medians, SPECTRUM)[: len(power)]
-    return level
+    return np.repeat(medians, SPECTRUM)[: len(power)]
 
 
 def without_lines(values: np.ndarray) -> np.ndarray:

@@ -92,12 +92,11 @@ def _mismatch(d: Diagnosis, place: Place) -> dict[str, Any]:
 
 def _lines(d: Diagnosis, place: Place) -> tuple[int, int]:
     """Lines of the program where the recording knows them, else of the recording."""
-    lines: tuple[int, int] = (
+    return (
         place.program
         if "line" in d.recordings[place.file].columns and place.program
         else place.lines
     )
-    return lines
 
 
 def _effect(d: Diagnosis, f: Finding) -> dict[str, Any]:

@@ -123,8 +123,7 @@ def columns(
 def _worn(place: np.ndarray, middle: float, wide: float) -> np.ndarray:
     """Share (N,) of the wear at places (N,) mm: flat in the middle, soft at its ends, half of it
     there."""
-    share: np.ndarray = np.exp(-np.log(2.0) * ((place - middle) / (wide / 2)) ** 4)
-    return share
+    return np.exp(-np.log(2.0) * ((place - middle) / (wide / 2)) ** 4)
 
 
 def _with_degree(named: dict[str, float]) -> dict[str, float]:

@@ -163,8 +163,7 @@ def later(
     """(K,), (K,): what becomes of K states of both lags, each after its own time (K,) s at its own
     heat (K,)."""
     housing = apart(tau_s, housing_s)
-    found: tuple[np.ndarray, np.ndarray] = _lag(level, slow, heat, gone, tau_s, housing, np.exp)
-    return found
+    return _lag(level, slow, heat, gone, tau_s, housing, np.exp)
 
 
 def _lag(

@@ -123,21 +123,18 @@ def columns(
 
 def _since_a_turn(state: State, axis: str, share: np.ndarray) -> np.ndarray:
     """(N,) of the size, by the last turn alone; share (N,): what has built up since then."""
-    wound: np.ndarray = -state.approach[axis] / 2 * (2 * share - 1)
-    return wound
+    return -state.approach[axis] / 2 * (2 * share - 1)
 
 
 def _built_up(way: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     """Of a way (any shape, mm) the share that has built up, over all lengths (K,) mm alike."""
-    share: np.ndarray = np.mean([-np.expm1(-way / v) for v in lengths], axis=0)
-    return share
+    return np.mean([-np.expm1(-way / v) for v in lengths], axis=0)
 
 
 def _at_once(way: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     """The same of one play behind one spring (Jenkins' element: Iwan, A distributed-element model
     for hysteresis, J. Applied Mechanics 33, 1966, 893)."""
-    share: np.ndarray = np.minimum(way / lengths[0], 1.0)
-    return share
+    return np.minimum(way / lengths[0], 1.0)
 
 
 parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "size_um", "grows_um", second_if="grows")

@@ -128,8 +128,7 @@ def _stops(words: Words, rates: Rates) -> int:
 
 def _radius(motions: Motions) -> np.ndarray:
     """(N,) mm, where X stands behind each motion, or the first axis that there is."""
-    found: np.ndarray = np.abs(motions.target[0]) / TICKS_PER_MM
-    return found
+    return np.abs(motions.target[0]) / TICKS_PER_MM
 
 
 def _turns(motions: Motions, spindle: pace.Spindle) -> np.ndarray:
@@ -172,8 +171,7 @@ def _durations(
 def _plane(way: np.ndarray, arcs: Arcs) -> np.ndarray:
     """(n,) mm of an arc's chord in its plane."""
     k = arcs.motion
-    found: np.ndarray = np.hypot(way[arcs.first, k], way[arcs.second, k])
-    return found
+    return np.hypot(way[arcs.first, k], way[arcs.second, k])
 
 
 def _down(motions: Motions, feed: np.ndarray, velocity: np.ndarray) -> np.ndarray:
@@ -183,5 +181,4 @@ def _down(motions: Motions, feed: np.ndarray, velocity: np.ndarray) -> np.ndarra
     deep = np.abs(holes.level - holes.bottom) / TICKS_PER_MM
     with np.errstate(divide="ignore", invalid="ignore"):
         down = deep / feed[holes.motion]
-    found: np.ndarray = down + deep / velocity[holes.axis]
-    return found
+    return down + deep / velocity[holes.axis]

@@ -115,8 +115,7 @@ class Heat:
 
     def _whole(self, values: np.ndarray) -> np.ndarray:
         """(D, K) whole steps of values (D, K)."""
-        steps: np.ndarray = np.rint(values / self.step[:, None]).astype(np.int64)
-        return steps
+        return np.rint(values / self.step[:, None]).astype(np.int64)
 
     def _spells(self, course: Course, motions: Motions) -> tuple[Spells, list[Notice]]:
         """Spells of motions within which heat moves the machine by more than two SHARE of the

@@ -66,15 +66,13 @@ class Log:
     def at(self, column: str, time: np.ndarray) -> np.ndarray:
         """(N,) degrees Celsius, on straight lines between the rows; beyond the ends what they are
         there."""
-        values: np.ndarray = np.interp(time, self.time, self.columns[column])
-        return values
+        return np.interp(time, self.time, self.columns[column])
 
     def varied(self, column: str, first: np.ndarray, last: np.ndarray) -> np.ndarray:
         """(N,) K by which it changes from first to last (N,) s, to and fro added up."""
         change = np.abs(np.diff(self.columns[column], prepend=self.columns[column][0]))
         total = np.cumsum(change)
-        found: np.ndarray = np.interp(last, self.time, total) - np.interp(first, self.time, total)
-        return found
+        return np.interp(last, self.time, total) - np.interp(first, self.time, total)
 
     def moment(self, text: str) -> float:
         """s of the log: of seconds, or of a date and time. Raises GcompError."""

@@ -226,8 +226,7 @@ class Bounds:
 
     def bends(self, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:
         """(M,) bool: straight motions (A, M) that must be cut in more than one of `parts`."""
-        result: np.ndarray = self.bend(target - start) > slack
-        return result
+        return self.bend(target - start) > slack
 
     def parts(self, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:
         """(M,) into how many equal parts straight motions (A, M) must be cut, so that products bend

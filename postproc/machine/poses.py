@@ -119,8 +119,7 @@ class Poses:
 
     def tool_axis(self, position: np.ndarray) -> np.ndarray:
         """(3,): the tool's direction in the part, away from it, at `position` (A,)."""
-        result: np.ndarray = axes_of(self.machine, position[:, None])[1][:, 0]
-        return result
+        return axes_of(self.machine, position[:, None])[1][:, 0]
 
     def aligned(self, normal: np.ndarray, position: np.ndarray) -> list[np.ndarray]:
         """Positions (A,) within the travels whose tool has the direction `normal` (3,) of the part;

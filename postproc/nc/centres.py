@@ -181,8 +181,7 @@ def _centre(
         return way
     axis = np.where(k, m.arcs.second[arc], m.arcs.first[arc])
     zero = np.where(absolute, cells(p.start, axis, piece) - cells(m.arcs.origin, k, arc), 0)
-    centre: np.ndarray = way + zero
-    return centre
+    return way + zero
 
 
 def _insert(

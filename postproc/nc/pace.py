@@ -77,8 +77,7 @@ class Spindle:
         by_surface = number * 1000.0 / (2 * np.pi * np.maximum(radius, SMALLEST))
         by_surface = np.minimum(by_surface, self.cap[block])
         turning = np.where(self.surface[block], by_surface, number)
-        found: np.ndarray = np.where(self.on[block], turning, 0.0)
-        return found
+        return np.where(self.on[block], turning, 0.0)
 
 
 def unit_of_feed(motions: Motions) -> np.ndarray:
@@ -89,8 +88,7 @@ def unit_of_feed(motions: Motions) -> np.ndarray:
     for rows in (arcs.first, arcs.second):
         moves[rows, arcs.motion] = True
     moves[holes.axis, holes.motion] = True
-    found: np.ndarray = np.where(((motions.scale > TICKS_PER_MM) & moves).any(axis=0), 25.4, 1.0)
-    return found
+    return np.where(((motions.scale > TICKS_PER_MM) & moves).any(axis=0), 25.4, 1.0)
 
 
 def spindle(words: Words, dialect: Dialect, before: Spoken) -> tuple[Spindle, Spoken]:

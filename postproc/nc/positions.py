@@ -306,8 +306,7 @@ class _Axes:
         p.changed[row] = since[block]
         if self.n:
             p.end_changed[row] = since[-1]
-        dropped: np.ndarray = lost & taken
-        return dropped
+        return lost & taken
 
     def _starts(self, block: np.ndarray) -> np.ndarray:
         """(A, N) ticks before the moving blocks."""

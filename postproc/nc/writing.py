@@ -167,17 +167,15 @@ class Writing:
         if self.has_spelled:  # X=IC() holds for its own word; blocks put in follow G90 G91
             by_letter = self.by_letter(m.word[row, motion]) & ~self.first[piece]
             incremental = np.where(by_letter, m.relative[motion], incremental)
-        ticks: np.ndarray = np.where(incremental, p.end[row, piece] - p.start[row, piece], absolute)
-        return ticks
+        return np.where(incremental, p.end[row, piece] - p.start[row, piece], absolute)
 
     def by_letter(self, word: np.ndarray) -> np.ndarray:
         """(K,) bool: words whose own spelling says whether they are absolute."""
-        by_letter: np.ndarray = (
+        return (
             (word >= 0) & (self.w.letter[np.maximum(word, 0)] >= RELATIVE)
             if len(self.w.letter)
             else word >= 0
         )
-        return by_letter
 
     def decimals(self, row: int | np.ndarray, motion: np.ndarray) -> np.ndarray:
         """(K,) decimals to write: the least increment's, or the programmed word's own if it has

@@ -277,5 +277,4 @@ def _distance(way: Way, actual: np.ndarray, rows: list[int]) -> np.ndarray:
         expected = _angle(way) + way.sweep * t
         t = t + np.angle(np.exp(1j * (angle - expected))) / way.sweep
     point = _points(way, np.clip(t, 0.0, 1.0))
-    result: np.ndarray = np.linalg.norm((actual - point)[rows], axis=0)
-    return result
+    return np.linalg.norm((actual - point)[rows], axis=0)

@@ -96,5 +96,4 @@ def _places(
 def _thinned(at: np.ndarray, number: int | None) -> np.ndarray:
     if number is None and len(at) <= MOST:
         return at
-    even: np.ndarray = np.round(np.linspace(at[0], at[-1], number or EVEN), 6)
-    return even
+    return np.round(np.linspace(at[0], at[-1], number or EVEN), 6)

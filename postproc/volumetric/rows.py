@@ -112,16 +112,14 @@ class Rows:
         if self.kind == "straightness":
             return self._way[None]
         if self.kind == "stair":
-            found: np.ndarray = step_diagonals.across(self.aside) @ self.aside
-            return found
+            return step_diagonals.across(self.aside) @ self.aside
         return np.zeros((0, self.q.shape[1]))
 
     @property
     def _way(self) -> np.ndarray:
         """(N,) from -1 to 1 along the motion of a straightness."""
         moved = self.q[int(np.argmax(np.ptp(self.q, axis=1)))]
-        found: np.ndarray = 2 * (moved - moved.mean()) / max(float(np.ptp(moved)), SAME)
-        return found
+        return 2 * (moved - moved.mean()) / max(float(np.ptp(moved)), SAME)
 
 
 def nominal_tip(machine: Machine, q: np.ndarray, tool: np.ndarray) -> np.ndarray:
@@ -150,8 +148,7 @@ def _turn(vector: np.ndarray) -> np.ndarray:
         return np.eye(3)
     k = vector / angle
     cross = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
-    found: np.ndarray = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross)
-    return found
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross)
 
 
 def angle_columns(unknowns: Unknowns, rows: Rows) -> np.ndarray:

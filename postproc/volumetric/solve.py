@@ -286,8 +286,7 @@ def _inverse(jacobian: np.ndarray, rows: Sequence[Rows], unknowns: int) -> np.nd
         at, first = own.stop, first + len(r)
     size = np.linalg.norm(jacobian, axis=0)
     scaled = jacobian / size
-    found: np.ndarray = np.linalg.inv(scaled.T @ scaled) / np.outer(size, size)
-    return found
+    return np.linalg.inv(scaled.T @ scaled) / np.outer(size, size)
 
 
 def _too_few(r: Rows) -> VolumetricError:

@@ -31,8 +31,7 @@ def is_diagonal(along: np.ndarray) -> bool:
 def aside(place: np.ndarray, along: np.ndarray) -> np.ndarray:
     """(3, N) mm by which places (3, N) lie beside the line along (3,) through the first of them."""
     way = place - place[:, :1]
-    found: np.ndarray = way - along[:, None] * (along @ way)
-    return found
+    return way - along[:, None] * (along @ way)
 
 
 def is_stepped(sideways: np.ndarray) -> bool:
@@ -44,8 +43,7 @@ def across(sideways: np.ndarray) -> np.ndarray:
     """(M, 3): unit vectors of the directions in which the tool moves aside (3, N): two, or one of a
     stair in a plane."""
     directions, sizes, _ = np.linalg.svd(sideways)
-    found: np.ndarray = directions[:, : len(sizes)][:, sizes > STEP].T
-    return found
+    return directions[:, : len(sizes)][:, sizes > STEP].T
 
 
 def mirror_weights(recording: Recording, leans: int) -> np.ndarray:
