@@ -236,6 +236,8 @@ def _onward(b: Batch, stroke: np.ndarray, t: np.ndarray, exact: np.ndarray) -> n
         ahead = np.rint(side * course * TICKS_PER_MM).astype(np.int64)
         ahead = np.where(t == 1.0, ahead[np.searchsorted(which, which)], ahead)
         first = ahead[np.searchsorted(which, which)]
+        # One running maximum for all strokes: each is lifted above all that came before, by more
+        # than any of them spans, and let down again.
         lift = which * (2 * int(np.abs(ahead - first).max(initial=0)) + 1)
         led = np.maximum.accumulate(ahead - first + lift) - lift + first
         end = np.rint(side * b.end[row, stroke]).astype(np.int64)

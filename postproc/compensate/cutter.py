@@ -85,6 +85,7 @@ def normal(b: Columns, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
     on = column[arc >= 0]
     if len(on):
         arcs, arc = m.arcs, arc[on]
+        # Left of a counter-clockwise arc is its centre, left of a clockwise one away from it.
         angle = arcs.angle[arc] + arcs.sweep[arc] * t[on]
         left[:, on] = -np.sign(arcs.sweep[arc]) * np.stack([np.cos(angle), np.sin(angle)])
     return left

@@ -193,6 +193,11 @@ def check_pole(b: Batch) -> None:
 def _nearest(b: Batch, machine: PolarMachine, motion: np.ndarray) -> np.ndarray:
     """(K,) mm from C's line to the nearest place of motions."""
     x, c = (machine.letters.index(letter) for letter in "XC")
+    # The face as the complex plane, X + i C, with C's line at 0:
+    #
+    #   start ----+------> end      the foot of the perpendicular from 0 lies at t = Re(-start *
+    #             |                 conj(way)) / |way|^2 of the way, its dot product; before 0 and
+    #             0                 beyond 1 an end is nearest
     start, end = (
         (p[x].take(motion) + 1j * p[c].take(motion)) / TICKS_PER_MM for p in (b.m.start, b.m.target)
     )
@@ -205,6 +210,7 @@ def _nearest(b: Batch, machine: PolarMachine, motion: np.ndarray) -> np.ndarray:
     on = np.isin(motion, arcs.motion).nonzero()[0]
     arc = order[np.searchsorted(arcs.motion[order], motion[on])]
     centre = arcs.centre[0, arc] + 1j * arcs.centre[1, arc]
+    # Of a circle the place on the ray from its centre through 0 is nearest, if the arc passes it.
     towards = np.angle(-centre) - arcs.angle[arc]
     passed = (np.sign(arcs.sweep[arc]) * towards) % (2 * np.pi) <= np.abs(arcs.sweep[arc])
     ends = np.minimum(np.abs(start[on]), np.abs(end[on]))
@@ -222,6 +228,7 @@ def tell_play(b: Batch) -> None:
         or b.options.reversal != "off"
     ):
         return
+    # The mean of both tables leaves half of forward - reverse, one way or the other.
     half: dict[str, float] = {}
     for letter, table in b.machine.base.every_table:
         half[letter] = half.get(letter, 0.0) + float(

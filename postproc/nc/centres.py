@@ -29,6 +29,8 @@ def _spelled(b: Writing) -> Spelling:
     m, arcs = b.m, b.m.arcs
     axis = np.array([arcs.first, arcs.second])
     scale = cells(m.scale, axis, arcs.motion)
+    # Ticks of one unit of a word: 1 mm, or 25.4 mm of an inch, and half of that where the word is a
+    # diameter. Half an inch is above one mm, so that the range tells which of the four it is.
     halved = (scale > TICKS_PER_MM) & (scale < 20 * TICKS_PER_MM)
     unit = np.where((scale < TICKS_PER_MM) | halved, scale * 2, scale)
     least = np.rint(np.log10(unit / arcs.grid)).astype(np.int64)

@@ -117,6 +117,8 @@ def _ratios(b: Writing, rows: list[list[int]], special: np.ndarray) -> np.ndarra
     known = (m.start_known & m.target_known)[:, motion]
     nominal, kind = _along(b, rows, (m.target - m.start)[:, motion] * known, motion)
     written, now = _along(b, rows, (p.end - p.start)[:, which] * known, motion)
+    # F is along what the control counts: the block takes nominal * share / F, and shall take that
+    # along the corrected way too.
     ratio = np.divide(
         written,
         nominal * p.share[which],

@@ -118,6 +118,7 @@ def _set(b: Batch, axis_words: AxisWords, word: str) -> None:
     others = work_columns(b)[:, 0] + frame.shift - (frame.preset if frame.preset_on else 0)
     if not frame.preset_on:
         frame = replace(frame, preset=np.zeros_like(frame.preset))
+    # coordinate = position - preset - others, so that the preset follows from the place named
     preset, missing = {}, ""
     for letter, (value, is_inc) in values.items():
         row = b.rows[letter]

@@ -218,6 +218,7 @@ def _held(
     named = np.zeros(b.n, bool)
     named[block] = True
     own = np.zeros(b.n, np.int64)
+    # the zero of the word's own block counts, not of the block in which it still holds
     own[block] = b.ticks(place, scale[block]) + zero[block]
     last = hold_index(named)
     return np.where(last >= 0, own[np.maximum(last, 0)], value), (last >= 0) | (carry is not None)

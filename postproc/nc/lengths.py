@@ -60,6 +60,7 @@ def set_tool(
 def _length_here(b: Batch, row: int, value: int, line: int) -> int:
     """Ticks of a length with which the axis stands at the coordinate `value`: L10 in the work
     offset in force, L11 in G59.3 without G92."""
+    # coordinate = position - base - length, solved for the length; `shift` has the length in force
     if line == 10:
         base = work_columns(b)[row, 0] + b.frame.shift[row] - b.frame.length[row]
     else:

@@ -183,6 +183,7 @@ def _slides(
         if slides is None:
             known[xyz] = False
             return after, known
+        # the slides as they stand, with the tables turned: then back into the words' coordinates
         pose = after / TICKS_PER_MM
         pose[xyz] = slides[xyz]
         place = kinematics.convert(pose, (None, here[1]), here)

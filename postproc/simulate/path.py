@@ -49,6 +49,7 @@ class Curves:
         r = self.r0 + (self.r1 - self.r0) * t
         dr = self.r1 - self.r0
         w = self.sweep
+        # place = base + axial t + r out; out' = w along, along' = -w out, r' = dr
         out = self.e1 * np.cos(phi) + self.e2 * np.sin(phi)
         along = self.e2 * np.cos(phi) - self.e1 * np.sin(phi)
         return (
@@ -257,6 +258,7 @@ def _turning(curves: Curves) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     owners, places = [np.arange(n)], [np.zeros(n)]
     span = np.where(curves.sweep != 0, curves.sweep, 1.0)
     for a, b in zip(curves.e1, curves.e2, strict=True):
+        # a cos(phi) + b sin(phi) = size cos(phi - extreme): the axis turns back at extreme + k pi
         size = np.hypot(a, b)
         extreme = np.arctan2(b, a)
         low = np.minimum(curves.phi, curves.phi + curves.sweep)

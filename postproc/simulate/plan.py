@@ -142,6 +142,9 @@ def _joints(path: Path, limits: Limits, bounds: Bounds, cycle: float) -> np.ndar
     with np.errstate(divide="ignore", invalid="ignore"):
         each = np.where(step > EVEN, limits.acceleration[:, None] / step, np.inf)
     soft = np.min(each, axis=0)
+    # A corner between tangents that differ by `step` asks an axis for v * step in no time. Spread
+    # over one cycle of the control, and a quarter of the shorter piece at the most, it is what the
+    # axis can accelerate.
     bound = np.where(np.isfinite(soft), soft, 0.0)
     cap = np.where(
         np.isfinite(soft), np.minimum(bound * cycle, np.sqrt(0.25 * bound * size)), speed
@@ -177,7 +180,8 @@ def _reach(v0: float, way: float, a: float, j: float) -> float:
     if math.isinf(j):
         return math.sqrt(v0 * v0 + 2.0 * a * way)
     # The acceleration reaches a when the speed changes by a^2/j or more; below: (2 v0 + w^2) w =
-    # way sqrt(j), w^2 the change.
+    # way sqrt(j), w^2 the change: a cubic in w with one real root, by sinh since 2 v0 is above 0
+    # (w = 2 p sinh(x) makes w^3 + 3 p^2 w of it, which is 2 p^3 sinh(3 x)).
     full = a * a / j
     if (v0 + full / 2.0) * 2.0 * a / j > way:
         if v0 <= 0.0:
@@ -191,6 +195,7 @@ def _reach(v0: float, way: float, a: float, j: float) -> float:
 def _trapezoid(
     v0: np.ndarray, v1: np.ndarray, length: np.ndarray, bounds: Bounds
 ) -> list[np.ndarray]:
+    # Up from v0 and down to v1 without a hold takes (2 top^2 - v0^2 - v1^2) / 2a of the length.
     a = np.where(np.isfinite(bounds.acceleration), bounds.acceleration, 1.0)
     top = np.minimum(bounds.speed, np.sqrt(np.maximum(a * length + (v0**2 + v1**2) / 2, 0.0)))
     top = np.maximum(top, np.maximum(v0, v1))
@@ -218,6 +223,7 @@ def _smooth(v0: np.ndarray, v1: np.ndarray, length: np.ndarray, bounds: Bounds) 
     high = np.maximum(bounds.speed, low)
     fits = _way(v0, high, a, j) + _way(v1, high, a, j) <= length
     low = np.where(fits, high, low)
+    # Where the wanted speed is not reached, the highest that is: the way grows with it.
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         good = _way(v0, middle, a, j) + _way(v1, middle, a, j) <= length

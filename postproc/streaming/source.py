@@ -272,6 +272,8 @@ class _Values:
         sweep = float(arcs.sweep[row] * p.share[i])
         if radius <= self.source.sampled:
             return ()
+        # A chord over an angle a of radius r misses the arc by r (1 - cos(a / 2)), about r a^2 / 8:
+        # by `sampled` where a = 2 sqrt(2 sampled / r).
         n = min(2000, int(np.ceil(abs(sweep) / (2 * np.sqrt(2 * self.source.sampled / radius)))))
         t = np.arange(1, n) / max(n, 1)
         begin = np.arctan2(start[second] - centre[1], start[first] - centre[0])

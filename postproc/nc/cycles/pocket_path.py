@@ -199,6 +199,8 @@ def with_line(a: Piece, b: Piece, touches: bool = False) -> list[Point]:
     """Where two pieces, one of them a line, meet, both as long as need be. `touches`: whether a
     line that misses an arc by a rounding touches it."""
     line, other = (b, a) if a.turn else (a, b)
+    # At (x, y) + k s, s of length 1: of two lines the cross product with the other's direction t
+    # leaves k alone. A circle is met half a chord before and behind the foot of its centre.
     s, (x, y) = line.tangent(False), line.start
     if not other.turn:
         t = other.tangent(False)
@@ -214,6 +216,9 @@ def with_line(a: Piece, b: Piece, touches: bool = False) -> list[Point]:
 
 
 def _circles(a: Piece, b: Piece) -> list[Point]:
+    #        o          along^2 + half^2 = Ra^2
+    #   Ra / | \ Rb     (apart - along)^2 + half^2 = Rb^2
+    #     a--+--b       their difference has `along` alone
     apart = math.dist(a.centre, b.centre)
     if not abs(a.radius - b.radius) <= apart <= a.radius + b.radius or not apart:
         return []
@@ -289,10 +294,9 @@ def nearest(shape: list[Piece], places: np.ndarray) -> float:
 
 
 def _distance(p: Piece, places: np.ndarray) -> np.ndarray:
-    ends = np.minimum(
-        np.hypot(*(places - p.start).T),
-        np.hypot(*(places - p.end).T),
-    )
+    """(N,) of places (N, 2): an arc is as far as its circle where the arm from the centre to the
+    place lies within its sweep, else as far as its nearer end."""
+    ends = np.minimum(np.hypot(*(places - p.start).T), np.hypot(*(places - p.end).T))
     if not p.turn:
         way = np.subtract(p.end, p.start)
         share = (places - p.start) @ way / (way @ way)

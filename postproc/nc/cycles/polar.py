@@ -67,6 +67,8 @@ class Polar:
         to = (self.pole[0] + self.radius * cosine, self.pole[1] + self.radius * sine)
         old = self._stands(first, second) if incremental else (0.0, 0.0)
         texts = {}
+        # An increment is written in whole increments: what its rounding leaves goes into the next
+        # one, so that a row of holes does not drift.
         for axis, value, start in zip((first, second), to, old, strict=True):
             exact = value - start + (self.residue.get(axis, 0.0) if incremental else 0.0)
             self.residue[axis] = exact - scene.rounded(axis, exact)

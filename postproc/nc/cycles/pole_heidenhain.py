@@ -166,7 +166,7 @@ class PoleArcs(Before):
                     "H in G91 turns the other way than its G12 or G13",
                     "G13 with H above 0, G12 with H below",
                 )
-        else:
+        else:  # above 0 and up to 360: an end at the start is all the way round
             by = ((angle - begin) * turn - FULL_TURN) % 360.0 + FULL_TURN
         away = math.dist(at, centre)
         to = (

@@ -217,6 +217,8 @@ def _coefficients(
 ) -> np.ndarray:
     """(count,) coefficients over 0 to 1 of a numerator that begins at `start` and ends at the first
     value times the denominator's end, `below`."""
+    # With u = p / PL a term a p^k is a PL^k u^k; at u = 1 all of them add up to the end, which
+    # leaves a1, the one that a block does not state.
     found = np.zeros(count)
     found[0] = start
     for power, value in enumerate(values[1:], 2):
@@ -226,7 +228,9 @@ def _coefficients(
 
 
 def _bernstein(c: np.ndarray) -> np.ndarray:
-    """(K,) Bezier ordinates over 0 to 1 of a polynomial with coefficients c (K,)."""
+    """(K,) Bezier ordinates over 0 to 1 of a polynomial with coefficients c (K,): u^i is the sum
+    over j >= i of C(j, i) / C(n, i) times the Bernstein polynomial j of degree n (Farouki, The
+    Bernstein polynomial basis, Computer Aided Geometric Design 29, 2012, 379)."""
     n = len(c) - 1
     return np.array(
         [sum(math.comb(j, i) / math.comb(n, i) * c[i] for i in range(j + 1)) for j in range(n + 1)]

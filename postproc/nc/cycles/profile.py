@@ -87,6 +87,8 @@ class Element:
             return self.start[other] + share * (self.end[other] - self.start[other])
         radius = math.dist(self.start, self.centre)
         along = math.sqrt(max(radius**2 - (value - self.centre[axis]) ** 2, 0.0))
+        # Of both sides of the circle the one within the arc's own ends, or the least beyond them:
+        # on an arc that turns back in no coordinate that is the one on it.
         found = [self.centre[other] + along, self.centre[other] - along]
         low, high = sorted((self.start[other], self.end[other]))
         return min(found, key=lambda v: max(low - v, v - high, 0.0))
