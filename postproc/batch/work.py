@@ -67,11 +67,7 @@ def _corrected(job: Job, options: argparse.Namespace) -> dict[str, Any]:
         ports.write_whole(
             target.with_name(target.name + ".html"), done.page().html().encode("utf-8")
         )
-    return {
-        "status": DONE,
-        "sha256": sha.hexdigest(),
-        "result": outcome.of(done, b"").as_dict(),
-    }
+    return {"status": DONE, "sha256": sha.hexdigest(), "result": outcome.of(done, b"").as_dict()}
 
 
 @lru_cache(maxsize=64)

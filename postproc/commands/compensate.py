@@ -130,8 +130,7 @@ def _as_it_goes(options: argparse.Namespace) -> None:
     for value, what in ((options.json, "--json is known"), (options.report, "--report is drawn")):
         if value:
             raise UsageError(
-                f"{what} at the end of a program, and --unbuffered has none",
-                "without --unbuffered",
+                f"{what} at the end of a program, and --unbuffered has none", "without --unbuffered"
             )
 
 

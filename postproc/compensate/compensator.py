@@ -298,9 +298,7 @@ def _counted_on(pieces: Pieces, first: int, motions: Motions) -> Pieces:
     whole."""
     arcs = int(np.searchsorted(motions.arcs.motion, first))
     return replace(
-        pieces,
-        motion=pieces.motion + first,
-        arc=np.where(pieces.arc >= 0, pieces.arc + arcs, -1),
+        pieces, motion=pieces.motion + first, arc=np.where(pieces.arc >= 0, pieces.arc + arcs, -1)
     )
 
 

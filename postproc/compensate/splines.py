@@ -270,10 +270,7 @@ SAYS = {  # what the largest part is for, and the way out
         "where it turns at the start, lead up to it in the direction of its first leg; elsewhere"
         " lines and arcs, or leave lost motion to the control (--reversal mean)",
     ),
-    "bend": (
-        "the map bends between its control points",
-        "more of them, or lines and arcs",
-    ),
+    "bend": ("the map bends between its control points", "more of them, or lines and arcs"),
     "knots": (
         "the control spaces its knots by the control points, which are corrected",
         "let the CAM program write PL in each of its blocks, more control points, or lines and"

@@ -178,10 +178,7 @@ def _crossings(f: Fitter, rows: Rows, shift: np.ndarray) -> list[tuple[np.ndarra
 
 
 def _between(
-    which: np.ndarray,
-    low: np.ndarray,
-    high: np.ndarray,
-    nodes: np.ndarray,
+    which: np.ndarray, low: np.ndarray, high: np.ndarray, nodes: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """(N,) of `which` (R,) and (N,) the nodes between low and high (R,), mm."""
     first = nodes.searchsorted(low, side="right")

@@ -169,10 +169,7 @@ class Dictionary:
     def at(self, shown: tuple[int, ...]) -> np.ndarray:
         """Where the columns of blocks stand."""
         return np.concatenate(
-            [
-                np.zeros(0, int),
-                *(np.arange(self.where[k].start, self.where[k].stop) for k in shown),
-            ]
+            [np.zeros(0, int), *(np.arange(self.where[k].start, self.where[k].stop) for k in shown)]
         )
 
     def crossed(self, k: int) -> np.ndarray:

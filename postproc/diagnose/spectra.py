@@ -125,12 +125,7 @@ def _in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) ->
 
 
 def _between_targets(
-    rows: Rows,
-    axis: str,
-    weighted: np.ndarray,
-    power: np.ndarray,
-    coarse: float,
-    gaps: list[float],
+    rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray, coarse: float, gaps: list[float]
 ) -> list[float]:
     """mm, none or one: the period finer than `coarse` (1/mm) that a wave with a zero of each signal
     fits best at rest, where the best of so many frequencies would hardly fit as well by chance

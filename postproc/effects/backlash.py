@@ -76,11 +76,6 @@ def ramp_mm(size_um: float, play_mm: float = 0.0, **others: float) -> float:
     return max(play_mm - abs(size_um) * UM, 0.0)
 
 
-def tables(
-    axis: str,
-    travel: tuple[float, float],
-    size_um: float,
-    **others: float,
-) -> list[Table]:
+def tables(axis: str, travel: tuple[float, float], size_um: float, **others: float) -> list[Table]:
     nodes = np.array(travel)
     return [(f"E{axis}", axis, nodes, np.full(2, -size_um * UM / 2), np.full(2, size_um * UM / 2))]

@@ -62,9 +62,7 @@ def read_axis(
     optic = section.string("optic", "")
     if optic not in ("", *OPTICS):
         raise section.fault(
-            "optic",
-            f"optic = {optic!r}",
-            "what the measured point was fixed to: tool or workpiece",
+            "optic", f"optic = {optic!r}", "what the measured point was fixed to: tool or workpiece"
         )
     return Axis(
         letter, travel, least, measured, table, optic, _centre(section, letter),
@@ -161,8 +159,6 @@ def _centre(section: Section, letter: str) -> np.ndarray:
         raise section.fault("centre", f"{letter} is a linear axis and has no centre")
     if not isinstance(centre, dict) or not all(x in XYZ for x in centre):
         raise section.fault(
-            "centre",
-            f"centre = {centre!r}",
-            "like centre = { X = 200.0, Y = 150.0, Z = 0.0 }",
+            "centre", f"centre = {centre!r}", "like centre = { X = 200.0, Y = 150.0, Z = 0.0 }"
         )
     return np.array([section.number(x, 0.0, at="centre") for x in XYZ])

@@ -244,9 +244,7 @@ def _offsets(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, dict[str, float
     for name, values in section.data.items():
         if not re.fullmatch(r"G5[4-9](\.[123])?|T\d{4}", name) or not isinstance(values, dict):
             raise section.fault(
-                name,
-                f"{name!r} is not a work or tool offset",
-                "like G54 = { X = 0.0, Z = 0.0 }",
+                name, f"{name!r} is not a work or tool offset", "like G54 = { X = 0.0, Z = 0.0 }"
             )
         for x in values:
             if x not in axes:

@@ -59,9 +59,7 @@ def sensors(
     scale, work = heat.get("sensors", []), heat.get("work_sensors", [])
     if not _are_names(work):
         raise section.fault(
-            "heat",
-            f"work_sensors = {work!r}",
-            'columns of a log, like work_sensors = ["T_work_C"]',
+            "heat", f"work_sensors = {work!r}", 'columns of a log, like work_sensors = ["T_work_C"]'
         )
     if _are_names(scale):
         return tuple((c, None) for c in scale), tuple(work)

@@ -13,14 +13,7 @@ import numpy as np
 
 from postproc.machine import rotary
 from postproc.machine.axis import Axis, Driver, Expansion
-from postproc.machine.chain import (
-    LINEAR,
-    ROTARY,
-    XYZ,
-    Arms,
-    Chain,
-    leans,
-)
+from postproc.machine.chain import LINEAR, ROTARY, XYZ, Arms, Chain, leans
 from postproc.machine.chain import arms as chain_arms
 from postproc.machine.tables import AxisTable, GridTable
 from postproc.machine.tool_point import ToolPoint

@@ -72,10 +72,7 @@ def _place_of_text(
     row = b.rows[letter]
     scale = int(np.broadcast_to(b.unit_scale(letter)[0], b.n)[block[0]])
     zero = int(np.broadcast_to(b.offset[row], b.n)[block[0]])
-    own = {
-        "Z": axis_words[letter][0],
-        "R": b.once("R"),
-    }
+    own = {"Z": axis_words[letter][0], "R": b.once("R")}
     value = {x: zero + int(b.ticks(p[:1], np.array([scale]))[0]) for x, p in own.items() if len(p)}
     if "Z" not in value:
         b.foreign[block] = True

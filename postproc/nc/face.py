@@ -62,11 +62,7 @@ def spellings(b: Batch, plain: Spellings) -> Spellings:
         return plain
     own, more = b.polar, INCREMENT[b.polar]
     polar_axes = {
-        "C": (
-            "C",
-            (own, chr(ABSOLUTE + AXES.index(own))),
-            (more, chr(RELATIVE + AXES.index(own))),
-        ),
+        "C": ("C", (own, chr(ABSOLUTE + AXES.index(own))), (more, chr(RELATIVE + AXES.index(own)))),
         "Y": ("Y", (), ()),
     }
     return [polar_axes.get(axis, (axis, one, two)) for axis, one, two in plain]

@@ -355,10 +355,7 @@ STATEMENTS: dict[bytes, Callable[[bytes], bytes]] = {
     **dict.fromkeys(
         (b"C", b"CR", b"CT", b"CP", b"LP", b"CTP", b"RND", b"CHF"), _named(EXPAND_PATH)
     ),
-    **dict.fromkeys(
-        (b"LN", b"LT", b"FL", b"FLT", b"FC", b"FCT", b"FPOL"),
-        _named(codes.WRITE_OUT),
-    ),
+    **dict.fromkeys((b"LN", b"LT", b"FL", b"FLT", b"FC", b"FCT", b"FPOL"), _named(codes.WRITE_OUT)),
     **dict.fromkeys((i + axis for i in (b"", b"I") for axis in PARAXIALS), _named(PARAXIAL)),
     b"APPR": _join,
     b"DEP": _join,

@@ -169,12 +169,7 @@ FANUC_LATHE = [
     *rows("cycle", {"80": "end of drilling cycles"}),
     *rows(
         "motion",
-        {
-            "83": "face drilling",
-            "85": "face boring",
-            "87": "side drilling",
-            "89": "side boring",
-        },
+        {"83": "face drilling", "85": "face boring", "87": "side drilling", "89": "side boring"},
         refuses=codes.CYCLE,
     ),
     *rows("cycle", {"84": "face tapping"}, does="tap Z"),

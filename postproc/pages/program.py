@@ -97,11 +97,7 @@ def _tiles(result: Page, filter_: Filter, verifier: Verifier, trace: Trace) -> N
             "largest deviation, not corrected",
             "before",
         ),
-        (
-            unknown if verifier.blind else f"{after:.2f} um",
-            "largest deviation, corrected",
-            "after",
-        ),
+        (unknown if verifier.blind else f"{after:.2f} um", "largest deviation, corrected", "after"),
         (f"{verifier.tolerance / UM:g} um", f"tolerance asked for{_beyond(verifier)}", ""),
         (f"{summary.largest / UM:.1f} um", "largest correction of an axis", "command"),
         (

@@ -49,16 +49,8 @@ def refuse(
     earlier = "name an earlier line, before that begins"
     for is_so, message, advice in (
         (modal.ended, "the program has ended before this line", "name an earlier line"),
-        (
-            _is_beside(filter_),
-            "cutter radius compensation (G41, G42) is on",
-            earlier,
-        ),
-        (
-            _in_cycle(filter_),
-            "a canned cycle is in force",
-            earlier,
-        ),
+        (_is_beside(filter_), "cutter radius compensation (G41, G42) is on", earlier),
+        (_in_cycle(filter_), "a canned cycle is in force", earlier),
         (
             incremental and kind_of(filter_) == PRINTER,
             "G91 is in force, and this firmware counts E by it too",

@@ -140,10 +140,7 @@ class Verifier(Figures):
         ends = own.at(every, one, there, sense, motions.code == RAPID)[0]
         followed = self.centre.check(motions, back, pieces, ends * self.follows, line)
         inside = (motions.cutter != FREE)[owner]
-        for into, of in (
-            (self.corrected, ~inside),
-            (self.at_contour, inside & ~followed[owner]),
-        ):
+        for into, of in ((self.corrected, ~inside), (self.at_contour, inside & ~followed[owner])):
             some = np.where(of, counts, NOTHING)
             self._measure(motions, owner, begin, end, back, (own, led), line, into, some)
         self._measure_holes(motions, motions, own, line, *[self.uncorrected] * 3)

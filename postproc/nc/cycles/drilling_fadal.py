@@ -13,12 +13,7 @@ from dataclasses import replace
 
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.drilling import KIND, WORDS, Job, bore
-from postproc.nc.cycles.drilling_fanuc import (
-    HAAS_PECKS,
-    MILL,
-    SHIFT,
-    HaasDrilling,
-)
+from postproc.nc.cycles.drilling_fanuc import HAAS_PECKS, MILL, SHIFT, HaasDrilling
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form, named
 

@@ -15,15 +15,7 @@ from __future__ import annotations
 
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.cycle import Outcome
-from postproc.nc.cycles.drilling import (
-    KIND,
-    WORDS,
-    Action,
-    bore,
-    bore_standing,
-    drill,
-    pecks,
-)
+from postproc.nc.cycles.drilling import KIND, WORDS, Action, bore, bore_standing, drill, pecks
 from postproc.nc.cycles.drilling_fanuc import HAAS_PECKS, HaasDrilling
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form, named

@@ -15,16 +15,7 @@ from dataclasses import replace
 
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.cycle import Cycle, Outcome
-from postproc.nc.cycles.drilling import (
-    KIND,
-    WORDS,
-    Action,
-    Hole,
-    Job,
-    bore,
-    drill,
-    pecks,
-)
+from postproc.nc.cycles.drilling import KIND, WORDS, Action, Hole, Job, bore, drill, pecks
 from postproc.nc.cycles.drilling_fanuc import FanucDrilling
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene

@@ -356,10 +356,7 @@ class KlartextPaths(Before):
         return Arc(at, to, centre, turn, math.radians(sweep))
 
     def _written(
-        self,
-        ways: Sequence[tuple[Point, float | None]],
-        rest: bytes,
-        plane: tuple[str, str, str],
+        self, ways: Sequence[tuple[Point, float | None]], rest: bytes, plane: tuple[str, str, str]
     ) -> list[bytes]:
         """L through places; the statement's own words at its first line, M at the last."""
         words = MARKED.sub(rb"R\1", WORD.sub(b"", SIDES.sub(lambda m: b"\0" + m[0][1:], rest)))

@@ -52,10 +52,7 @@ def quarters(e: Element) -> list[Element]:
         turn = k * math.pi / 2
         way = (sign * (turn - first)) % math.tau
         if 1e-6 < way < sweep - 1e-6:
-            place = (
-                e.centre[0] + radius * math.cos(turn),
-                e.centre[1] + radius * math.sin(turn),
-            )
+            place = (e.centre[0] + radius * math.cos(turn), e.centre[1] + radius * math.sin(turn))
             ends.append((way, place))
     places = [e.start, *(place for _, place in sorted(ends)), e.end]
     return [replace(e, start=a, end=b) for a, b in pairwise(places)]

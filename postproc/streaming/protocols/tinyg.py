@@ -9,6 +9,10 @@ the board says XOFF. Verbosity 5 ($jv) echoes each block, so that a byte lost on
 is put back at the end. An answer says that a line was taken, not that it was executed: the end of
 motion is a report of state 3 or 4. `!` `~` `%` and ^X are obeyed wherever they stand. `?` and `$`
 would switch to text mode, so they are never sent.
+
+    leaves   G1X10F600
+    comes    {"r":{"gc":"G1X10F600"},"f":[1,0,10,4321]}     as it was read; status 0, 10 bytes
+    comes    {"sr":{"stat":5}}   {"sr":{"stat":3}}          it moves; it stands
 """
 
 from __future__ import annotations
