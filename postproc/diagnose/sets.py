@@ -255,13 +255,9 @@ class Sets:
 
     def part(self, fit: Fit, k: int) -> slice:
         """Where a member's coefficients stand among the shared ones."""
-        at = self.evidence.shared.shape[1]
-        for other in fit.chosen:
-            width = self.blocks[other].width
-            if other == k:
-                return slice(at, at + width)
-            at += width
-        raise KeyError(k)
+        before = fit.chosen[: fit.chosen.index(k)]
+        at = self.evidence.shared.shape[1] + sum(self.blocks[other].width for other in before)
+        return slice(at, at + self.blocks[k].width)
 
     def worth(self, state: Found, k: int) -> float:
         """Of a member beside the others."""

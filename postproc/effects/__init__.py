@@ -31,13 +31,11 @@ And it may hold
 - RESTING: True where its axis is the direction of the error, which need not move itself; LISTED:
   True of a fault of the data, listed where rows show it: simulated, never fitted;
 - ALONG: True where it is along its axis and told by each signal alone;
-- WALLS: True where what goes with time changes what lies between two walls; instead(shape) -> True
-  of a shape that is taken only in the place of two effects;
+- WALLS: True where what goes with time changes what lies between two walls;
 - fuller(shape, state, axis) -> shapes with more that may come with it, each worth its price;
 - further_cost(axis, shape) -> twice the logarithm of how much seldomer it is than its kin;
 - CONTINUOUS: range of parameters of a shape that have values between those of the grid; at 0 or
   below they mean something else and are not moved;
-- unsure(**parameters) -> mm by which it is wrong at every reading for want of a better driver.
 
 An effect that moves the tool the same way whenever the slides stand in the same place, come from
 the same side, also holds tables(axis, travel, **parameters) -> list of (component, axis, nodes,

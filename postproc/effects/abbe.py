@@ -54,9 +54,6 @@ OF_FILE, BUT_OWN = 1.0, 2.0
 # twice the logarithm of how much seldomer a rotation is left out than an error of position or a
 # bow, which look alike on one line (unverified: twenty times)
 UNREAD = 6.0
-# rad: by how much a measured rotation is wrong itself (unverified: a usual figure of angular
-# optics)
-ANGLE = 5e-7
 ZEROS = np.linspace(-0.5, 1.5, 21)  # of the travel
 
 
@@ -132,12 +129,6 @@ def _missing(state: State, axis: str, turn: float, of_file: float, degree: float
 def _sense(axis: str, turn: float, arm: float) -> float:
     """Which way along the axis a positive rotation moves the end of a positive arm."""
     return float(np.cross(np.eye(3)[int(turn)], np.eye(3)[int(arm)])[XYZ.index(axis)])
-
-
-def unsure(arm_mm: float = 0.0, **named: float) -> float:
-    """mm, what its driver's own uncertainty makes of it: that of a measured rotation, with the
-    arm."""
-    return abs(arm_mm) * ANGLE
 
 
 def _fitted(named: dict[str, float]) -> tuple[str, ...]:

@@ -129,12 +129,6 @@ def _pauses(state: State) -> list[dict[str, float]]:
     ]
 
 
-def instead(shape: dict[str, float]) -> bool:
-    """Warm from the beginning: said where heat and a scale error would both be needed. Where nobody
-    recorded how warm the screw was, the one cause says both."""
-    return bool(shape["warm"])
-
-
 def columns(
     state: State,
     axis: str,

@@ -7,6 +7,8 @@ error research, CIRP Annals 39, 1990, 645; Mayr and others, Thermal issues in ma
 Annals 61, 2012, 771).
 """
 
+from functools import wraps
+
 import numpy as np
 
 from postproc.effects import (
@@ -18,6 +20,7 @@ from postproc.effects import (
     harmonic_coefficients,
     low_pass,
 )
+from postproc.effects._named import by_name
 
 PARAMETERS = {
     "size_um": (
@@ -162,38 +165,26 @@ def _turned(state: State) -> np.ndarray:
     return (wall != 0) & (material == 0)
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    named = {
-        "size_um": float(coefficients[0]),
-        "tau_s": shape["tau_s"],
-        "from_s": shape.get("from_s", -1.0),
-    }
-    named |= {"file": shape.get("file", -1.0), "bend_um": 0.0, "creep": shape.get("creep", 0.0)}
-    named |= {"cycle_s": shape.get("cycle_s", 0.0), "phase_deg": 0.0}
-    named |= {"back_s": shape.get("back_s", 0.0), "back_um": 0.0}
+def _fitted(named: dict[str, float]) -> tuple[str, ...]:
     if named["cycle_s"] > 0:
-        found = amplitude_and_phase(coefficients)
-        return named | {"size_um": found["amplitude_um"], "phase_deg": found["phase_deg"]}
-    second = "back_um" if named["back_s"] > 0 else "bend_um"
-    return named | ({second: float(coefficients[1])} if len(coefficients) > 1 else {})
+        return "size_um", "phase_deg"
+    if named["back_s"] > 0:
+        return "size_um", "back_um"
+    return ("size_um", "bend_um") if named["file"] >= 0 else ("size_um",)
 
 
-def coefficients(
-    size_um: float,
-    tau_s: float,
-    from_s: float = -1.0,
-    file: float = -1.0,
-    bend_um: float = 0.0,
-    creep: float = 0.0,
-    cycle_s: float = 0.0,
-    phase_deg: float = 0.0,
-    back_um: float = 0.0,
-    back_s: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    shape = {"tau_s": tau_s, "from_s": from_s, "file": file, "creep": creep, "cycle_s": cycle_s}
-    shape["back_s"] = back_s
-    if cycle_s > 0:
-        return harmonic_coefficients(size_um, phase_deg), shape
-    if back_s > 0:
-        return np.array([size_um, back_um]), shape
-    return np.array([size_um, bend_um] if file >= 0 else [size_um]), shape
+_named, _taken = by_name(
+    PARAMETERS, OPTIONAL, "size_um", "bend_um", "phase_deg", "back_um", of=_fitted
+)
+
+
+def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    if shape.get("cycle_s", 0.0) > 0:
+        coefficients = np.array([*amplitude_and_phase(coefficients).values()])
+    return _named(coefficients, shape)
+
+
+@wraps(_taken)
+def coefficients(**named: float) -> tuple[np.ndarray, dict[str, float]]:
+    value, shape = _taken(**named)
+    return (harmonic_coefficients(*value) if shape["cycle_s"] > 0 else value), shape

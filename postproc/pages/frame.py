@@ -15,7 +15,6 @@ from postproc import __version__, style
 from postproc.errors import UsageError
 
 HERE = Path(__file__).resolve().parent / "templates"
-LARGEST = 3_000_000  # bytes of a page
 
 
 @dataclass

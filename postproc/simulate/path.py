@@ -106,9 +106,6 @@ class Path:
     turns: np.ndarray
     steps: Steps = field(repr=False)
 
-    def __len__(self) -> int:
-        return len(self.length)
-
     @property
     def rests(self) -> np.ndarray:
         """(P,) whether nothing moves."""

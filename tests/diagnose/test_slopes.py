@@ -126,9 +126,9 @@ def test_a_coarse_thermometer_on_the_screw_does_not_hide_its_heat():
 
 def test_a_screw_that_may_have_been_warm_is_offered_only_without_its_temperature():
     module = effects.load("screw_heat")
-    assert any(module.instead(shape) for shape in module.shapes(state(), "Z"))
+    assert any(shape["warm"] for shape in module.shapes(state(), "Z"))
     known = state(T_screw_Z_C=np.linspace(20.0, 22.0, 12))
-    assert not any(module.instead(shape) for shape in module.shapes(known, "Z"))
+    assert not any(shape["warm"] for shape in module.shapes(known, "Z"))
 
 
 def test_a_temperature_goes_from_reading_to_reading_and_begins_as_the_room():

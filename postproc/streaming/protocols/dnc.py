@@ -24,6 +24,7 @@ from postproc.streaming.protocols import Controller, Protocol
 TITLE = "DNC, Fanuc"
 POKE = b""
 DC1, DC2, DC3, DC4 = 0x11, 0x12, 0x13, 0x14
+ENDS = b"%"  # stands before and behind a program
 # bytes: what a UART of the 16550 kind holds; a control that says stop gets these and no more
 AT_ONCE = 16
 COMMENT = re.compile(rb"\([^()\n]*\)")
@@ -45,8 +46,7 @@ DOES = {
 @dataclass(frozen=True)
 class Link:
     """A control's habits. bits, parity (E, O, N), stop: the line's frame; end: of a block; leader:
-    before the first %, trailer: behind the last; opens: the program's mark at both ends; waits: for
-    DC1 before the first byte; go, halt: what it says."""
+    before the first %, trailer: behind the last; waits: for DC1 before the first byte."""
 
     bits: int = 7
     parity: str = "E"
@@ -55,12 +55,7 @@ class Link:
     end: bytes = b"\n"
     leader: bytes = b""
     trailer: bytes = b""
-    opens: bytes = b"%"
     waits: bool = True
-    go: int = DC1
-    halt: int = DC3
-    at_once: int = AT_ONCE
-    comments: bool = True
 
 
 FANUC = Link()
@@ -79,13 +74,12 @@ class Dnc(Protocol):
     confirms = "nothing"
     does: Mapping[str, str] = DOES
     questions: tuple[bytes, ...] = ()
+    opening: tuple[bytes, ...] = (ENDS,)
+    closing: tuple[bytes, ...] = (ENDS,)
 
     def __init__(self, counting: bool = True):
-        link = self.link
-        self.controller = Controller(self.title, window=link.at_once, line_limit=LONGEST, planner=0)
-        self.opening: tuple[bytes, ...] = (link.opens,) if link.opens else ()
-        self.closing: tuple[bytes, ...] = (link.opens,) if link.opens else ()
-        self.stopped = link.waits
+        self.controller = Controller(self.title, window=AT_ONCE, line_limit=LONGEST, planner=0)
+        self.stopped = self.link.waits
         self.stops = 0
         self._opened = self._closed = False
 
@@ -98,7 +92,8 @@ class Dnc(Protocol):
         if not text or text.startswith(b"%"):
             return b""
         text = UNCLOSED.sub(b"", EOB.sub(b"", text))
-        text = COMMENT.sub(self._comment, text).upper().strip()
+        text = COMMENT.sub(lambda found: b"" if FOREIGN.search(found[0]) else found[0], text)
+        text = text.upper().strip()
         if found := FOREIGN.search(text):
             raise Unsendable(
                 f"the line has byte {found[0][0]} in it, which is none of the control's code or"
@@ -111,9 +106,6 @@ class Dnc(Protocol):
             )
         return text
 
-    def _comment(self, found: re.Match[bytes]) -> bytes:
-        return b"" if not self.link.comments or FOREIGN.search(found[0]) else found[0]
-
     def alone(self, text: bytes) -> bool:
         return False
 
@@ -122,16 +114,16 @@ class Dnc(Protocol):
 
     def send(self, number: int, text: bytes) -> bytes:
         link = self.link
-        if text == link.opens and not self._opened:
+        if text == ENDS and not self._opened:
             self._opened = True
             return link.leader + text + link.end
-        if text == link.opens:
+        if text == ENDS:
             self._closed = True
             return text + link.end + link.trailer
         return text + link.end
 
     def release(self) -> int:
-        return 0 if self.stopped else self.link.at_once
+        return 0 if self.stopped else AT_ONCE
 
     def patience(self, text: bytes) -> float:
         return float("inf")
@@ -152,9 +144,9 @@ class Dnc(Protocol):
         words = bytearray()
         for byte in data:
             byte &= 0x7F
-            if byte == self.link.go:
+            if byte == DC1:
                 self.stopped = False
-            elif byte == self.link.halt:
+            elif byte == DC3:
                 self.stops += not self.stopped
                 self.stopped = True
             elif byte == DC4 and not self._closed:
