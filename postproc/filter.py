@@ -280,6 +280,8 @@ class Filter:
         raise error
 
     def _pass(self, words: Words) -> bytes:
+        """One batch: motions of its words, pieces of the motions, text of the pieces. What holds
+        behind it is kept only when all three were accepted: a faulty block changes nothing."""
         motions, modal, notices = self.interpreter.run(words, self.modal)
         if words.fault and not modal.ended:
             raise words.fault

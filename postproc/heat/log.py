@@ -226,6 +226,7 @@ def follow(log: Log, before: Log, seconds: float, used: list[str]) -> None:
 
 
 def _times(name: str, cells: list[tuple[int, str]]) -> tuple[np.ndarray, float | None]:
+    """(R,) s, and the moment, s, of the first row where they are dates. Raises LogError."""
     numbers = [_number(text) for _, text in cells]
     dated = None
     if numbers[0] is None:

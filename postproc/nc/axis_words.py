@@ -80,6 +80,8 @@ def _enough(b: Writing, ticks: np.ndarray, scale: np.ndarray, decimals: np.ndarr
 
 
 def axis_words(b: Writing) -> None:
+    """Words of the axes: changed where the end or the start of an increment moved, and put in where
+    an axis moves that the block does not name."""
     m, p = b.m, b.p
     first, starts, ends = b.begin, p.start, p.end
     if len(p) > len(m):

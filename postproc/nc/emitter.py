@@ -55,6 +55,8 @@ class Emitter:
         return self._written(Writing(self.dialect, self.axes, words, motions, pieces, state))
 
     def _written(self, b: Writing) -> tuple[bytes, Written, int, int]:
+        """The text with every word that must change; then what cut blocks need: times, M codes,
+        stops, threads, line ends. Each part writes its splices, whatever the others do."""
         motion_codes(b)
         axis_words(b)
         centre_words(b)

@@ -154,6 +154,7 @@ class Shifted:
     # -- straight blocks ---------------------------------------------------------------------------
 
     def _straight(self, block: Block) -> None:
+        """A straight block: how the way before it goes on is told by the turn between both."""
         p, op, c = self._in_plane(block.end), self.programmed, self.current
         if p == op:
             self._enqueue(block, c, (0.0, 0.0))
@@ -221,6 +222,7 @@ class Shifted:
 
     # Whole: LinuxCNC's own function, kept in its order to be compared with it.
     def _arc(self, block: Block) -> None:
+        """The same of an arc, by its heading where it begins."""
         assert block.centre is not None
         p, op, c, m = self._in_plane(block.end), self.programmed, self.current, block.centre
         sense = 1 if block.turns > 0 else -1

@@ -84,6 +84,8 @@ def of(path: Path, limits: Limits, cycle: float) -> Plan:
 
 
 def _bounds(path: Path, limits: Limits) -> Bounds:
+    """What each piece may do along its path: the least that the limits of the axes allow, each by
+    its share of the way, on arcs also by the speed across the bend."""
     steps, size = path.steps, np.where(path.length > 0, path.length, 1.0)
     share = np.abs(path.end - path.begin) / size
 
@@ -195,6 +197,7 @@ def _reach(v0: float, way: float, a: float, j: float) -> float:
 def _trapezoid(
     v0: np.ndarray, v1: np.ndarray, length: np.ndarray, bounds: Bounds
 ) -> list[np.ndarray]:
+    """Phases of pieces at limited acceleration alone."""
     # Up from v0 and down to v1 without a hold takes (2 top^2 - v0^2 - v1^2) / 2a of the length.
     a = np.where(np.isfinite(bounds.acceleration), bounds.acceleration, 1.0)
     top = np.minimum(bounds.speed, np.sqrt(np.maximum(a * length + (v0**2 + v1**2) / 2, 0.0)))
@@ -217,6 +220,7 @@ def _way(v0: np.ndarray, v1: np.ndarray, a: np.ndarray, j: np.ndarray) -> np.nda
 
 
 def _smooth(v0: np.ndarray, v1: np.ndarray, length: np.ndarray, bounds: Bounds) -> list[np.ndarray]:
+    """Phases of pieces at limited jerk too."""
     a = np.where(np.isfinite(bounds.acceleration), bounds.acceleration, 1.0)
     j = np.where(np.isfinite(bounds.jerk), bounds.jerk, a * 1e9)
     low = np.maximum(v0, v1)

@@ -104,6 +104,8 @@ class Reader:
         return GcompError(message, advice, Place(self.name, int(line)))
 
     def _batch(self, words: Words, motions: Motions, lines: int) -> None:
+        """Steps of one batch of the filter. lines: those before it. Blocks that only wait, turn the
+        spindle or stop are steps of their own."""
         spindle, self.spoken = pace.spindle(words, self.dialect, self.spoken)
         events = self._events(words)
         if not len(motions) and not events:

@@ -363,6 +363,7 @@ class Sender:
         self.log.append(("answered", line, now))
 
     def _rejected(self, event: events.Rejected, now: float) -> None:
+        """A line was refused: the job ends, asks, or goes on, as it was told to."""
         line = self._sent.pop(event.number, None)
         self._moved, self._idle_since = now, None
         if line is None:

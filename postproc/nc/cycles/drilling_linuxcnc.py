@@ -52,6 +52,9 @@ RETRACT = {False: 0.254, True: 0.010}
 
 
 class LinuxcncDrilling(Drilling):
+    """As rs274ngc does it: `held` has R and the bottom as radii; in G91 R counts from the initial
+    level, the bottom from R."""
+
     actions, tapping, refused = ACTIONS, TAPPING, REFUSED
     words = "RPQL"
 
@@ -61,6 +64,8 @@ class LinuxcncDrilling(Drilling):
         return Form(KIND, named(WORDS, "XYZRL" + own))
 
     def job(self, scene: Scene, block: Block, code: int) -> Job:
+        """The hole by the words that hold; first to R level where the tool stands below it. Raises
+        ProgramError."""
         axis = scene.plane[2]
         self._check(scene, block, code, axis)
         half = scene.double(axis)  # all that holds is a radius

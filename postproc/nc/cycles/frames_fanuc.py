@@ -186,6 +186,7 @@ class FanucFrames(FrameControl):
             )
 
     def _turn(self, block: Block) -> None:
+        """G68: the rotation that holds from here on. Raises ProgramError."""
         scene = self.scene
         self._alone(bool(self.mirror), "a rotation (G68)")
         first, second, _ = scene.plane
@@ -255,6 +256,8 @@ class FanucFrames(FrameControl):
         self.frames.why = "the rotation (G68)"
 
     def _scale(self, block: Block) -> None:
+        """G51: the factors that hold from here on; an axis that it does not name is scaled about
+        where it stands. Raises ProgramError."""
         scene = self.scene
         self._alone(bool(self.mirror), "scaling (G51)")
         if self.turn:

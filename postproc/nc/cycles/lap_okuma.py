@@ -145,6 +145,7 @@ class Lap:
             )
 
     def _rough(self, pen: Pen, shape: Shape, call: Call, start: Point, by: Point) -> None:
+        """G85: cuts along the bar down to the shape."""
         scene = self.scene
         self._depth(call, 85)
         first, *rest = (e.moved(by) for e in shape.elements)

@@ -233,6 +233,7 @@ class BlockReader:
 
     # Whole: one branch to a code of the language.
     def _classify(self, block: Block, word: Word) -> None:
+        """What a code of the language makes of its block. Raises Refusal."""
         value = float(word.digits) if word.digits else -1.0
         kind = None
         if word.letter == "M" and value in END_OF_PROGRAM:

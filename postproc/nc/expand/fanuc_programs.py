@@ -268,6 +268,8 @@ def _pieces(text: bytes) -> list[bytes]:
 
 
 def _pair(section: Section, open_: list[tuple[int, int]], i: int, opens: bool, loop: int) -> None:
+    """Pairs a DO or END with its other one, or notes why it has none; said only when it is
+    executed. open_: places and numbers of the loops that are open there."""
     assert section.partner is not None
     if not 1 <= loop <= 3:
         section.broken[i] = (

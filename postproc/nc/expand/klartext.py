@@ -70,6 +70,9 @@ class _File:
 
 @dataclass
 class _Run:
+    """One execution. q: the values of Q parameters by name; steps: statements so far; ended: behind
+    M2, M30 or END PGM of the main program."""
+
     program: Program
     tracker: Tracker
     limits: Limits

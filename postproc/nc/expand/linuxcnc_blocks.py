@@ -197,6 +197,8 @@ class Control:
         return self._values
 
     def _bracketed(self) -> list[Node]:
+        """The values in brackets behind a keyword: one condition, one value to return, or up to 30
+        arguments of a call. Raises Refusal."""
         reader = Reader(self.code, self.at)
         needs = self.kind in ("while", "repeat", "if", "elseif")
         most = (
@@ -268,6 +270,7 @@ def read(line: bytes) -> Block | Control:
 
 
 def _o_word(reader: Reader) -> Control:
+    """An O line: its number (also an expression) or <name>, and its keyword. Raises Refusal."""
     start = reader.at
     reader.at += 1
     plain = False
@@ -293,6 +296,8 @@ def _o_word(reader: Reader) -> Control:
 
 
 def _block(line: bytes, reader: Reader) -> Block:
+    """A line of words, comments and assignments: what of it must be worked out or taken out. Raises
+    Refusal."""
     code = reader.code
     block = Block(line)
     for start, stop in code.comments:

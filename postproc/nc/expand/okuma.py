@@ -172,6 +172,7 @@ class _Run:
                 self.behind = called[1], times, part, part.here
 
     def _jump(self, part: _Part, rest: str, condition: bool) -> None:
+        """GOTO N and IF [..] N: goes on behind the block of that name."""
         target = rest
         if condition and (defined := DEFINED.match(rest)):
             target = defined[2]

@@ -311,6 +311,7 @@ class Resolver:
 
     # Whole: the order of one cycle: before, words, run, what holds behind it.
     def _cycle(self, block: Block, code: int, codes: list[int]) -> list[bytes]:
+        """The plain lines of a block of a cycle, and what holds behind it."""
         scene, cycle = self.scene, self.family.cycles[code]
         self._check_alone(code, [c for c in codes if c != code])
         if self.active is None:

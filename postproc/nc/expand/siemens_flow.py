@@ -209,6 +209,7 @@ def _define(words: Words) -> None:
 
 
 def _procedure(words: Words) -> None:
+    """PROC: name and parameters, VAR and arrays by reference."""
     name, _ = _name(words, subprogram=True)
     found: list[Parameter] = []
     if words.taken("(") and not words.taken(")"):

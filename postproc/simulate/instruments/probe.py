@@ -63,6 +63,7 @@ def measure(reality: Reality, settings: Settings) -> Signal:
 
 
 def _features(reality: Reality, text: str) -> list[tuple[str, str, float]]:
+    """Axis, kind and nominal mm of the features that were asked for. Raises UsageError."""
     found = []
     for item in filter(None, text.split(",")):
         axis, kind, nominal = _parsed(item)
