@@ -158,21 +158,6 @@ def only_passed(text: bytes, dialect: Dialect, other: Dialect) -> bool:
     )
 
 
-def verdict(text: bytes) -> str:
-    """A sentence on the result."""
-    names = between(text)
-    if not names:
-        return "this shows no program of any control that is known here"
-    if len(names) > 1:
-        return f"can not tell between {', '.join(names[:-1])} and {names[-1]}"
-    evidence = dict(recognise(text))[names[0]]
-    return (
-        f"{names[0]}: {'; '.join(evidence)}"
-        if evidence
-        else f"{names[0]}: nothing speaks against it"
-    )
-
-
 def against(shown: Text, dialect: Dialect) -> Iterator[str]:
     """What speaks against a dialect."""
     has = _spelled(dialect.name)
