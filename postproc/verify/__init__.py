@@ -32,10 +32,9 @@ from postproc.trace import Trace
 from postproc.units import TICKS_PER_MM
 from postproc.verify.distance import PLACES, all_known, points_of
 from postproc.verify.figures import Figures
-from postproc.verify.heat import Warm
 from postproc.verify.holes import holes_of
 from postproc.verify.largest import Largest
-from postproc.verify.machines import Machines
+from postproc.verify.machines import Machines, Warm
 from postproc.verify.turning import Turning
 
 STEP_MM = 2.0  # a sample at least every 2 mm

@@ -1,4 +1,5 @@
-"""The machine as each motion finds it: with its tool, in its space, as warm as it is then."""
+"""The machine as each motion finds it: with its tool, in its space, as warm as it is then by the
+drivers as they are, not in steps, each program by a clock of its own."""
 
 from __future__ import annotations
 
@@ -7,15 +8,56 @@ from typing import Any
 
 import numpy as np
 
+from postproc.filter import Filter
+from postproc.heat.course import Course
+from postproc.machine import growth
 from postproc.machine.model import Machine
 from postproc.machine.polar import PolarMachine
 from postproc.machine.seen import seen_in
 from postproc.machine.tip import TipMachine
 from postproc.motions import Motions
+from postproc.nc.lexer import Words
 from postproc.spaces import Space
 from postproc.units import TICKS_PER_MM
 from postproc.verify.distance import to_path
-from postproc.verify.heat import Warm
+
+
+class Warm:
+    """The drivers of heat of a filter's machine along both programs; none where temperatures are
+    not followed."""
+
+    def __init__(self, filter_: Filter):
+        self.heat = filter_.heat
+        self.warmth = (
+            [filter_.heat.initial() for _ in range(2)] if filter_.heat else []
+        )  # of the nominal program, of the output
+        self.courses: dict[int, Course] = {}  # of the motions at hand
+        self.alone = _alone(filter_.machine)
+
+    def see(self, words: Words, motions: Motions, read_back: Words, back: Motions) -> None:
+        """A batch and its output."""
+        if self.heat is None:
+            return
+        first, second = self.warmth
+        nominal, after = self.heat.course(words, motions, first)
+        own, behind = self.heat.course(read_back, back, second)
+        self.courses = {id(motions): nominal, id(back): own}
+        self.warmth = [after, behind]
+
+    def parts(
+        self, run: Motions, where: tuple[np.ndarray, np.ndarray]
+    ) -> Iterator[tuple[Machine, np.ndarray]]:
+        """For each driver the machine that it alone moves by one unit, and (K,) its value in
+        motions (K,) of a run, when a share (K,) of their time is over."""
+        if self.heat is not None:
+            yield from zip(self.alone, self.courses[id(run)].at(*where), strict=True)
+
+
+def _alone(machine: Machine) -> list[Machine]:
+    """For each driver of a machine's growth the machine that has nothing else, moved by one unit of
+    it."""
+    every = np.eye(len(machine.growth))
+    return [growth.grown(machine.bare, machine.growth, one) for one in every]
 
 
 class Machines:
@@ -50,11 +92,11 @@ class Machines:
             np.concatenate([run.length, run.space[None]])[:, row], axis=1, return_inverse=True
         )
         for k, key in enumerate(every.T):
-            corrected_part = (id(whole), run.spaces[int(key[-1])], tuple(key[:-1].tolist()))
-            if corrected_part not in self._seen:
+            one = id(whole), run.spaces[int(key[-1])], tuple(key[:-1].tolist())
+            if one not in self._seen:
                 long = key[:-1] / TICKS_PER_MM
-                self._seen[corrected_part] = seen_in(whole, long, corrected_part[1], self.oriented)
-            yield self._seen[corrected_part], which.ravel() == k
+                self._seen[one] = seen_in(whole, long, one[1], self.oriented)
+            yield self._seen[one], which.ravel() == k
 
     def corrected_part(self, run: Motions, row: np.ndarray, off: np.ndarray) -> np.ndarray:
         """(A, K) mm: what of deviations (A, K) of motions `row` lies along corrected axes."""

@@ -36,6 +36,7 @@ from postproc.errors import UsageError
 from postproc.streaming.events import Event
 from postproc.units import MM_PER_INCH
 
+LONGEST_ANSWER = 4096  # bytes without a line end that are no answer any more
 UNLIMITED = 1 << 30
 
 
@@ -185,3 +186,13 @@ def recognised(text: str) -> list[str]:
 def pokes() -> list[bytes]:
     """What makes silent controllers speak, each once, in the order of names."""
     return list(dict.fromkeys(load(name).POKE for name in names() if load(name).POKE))
+
+
+def answers(rest: bytes, data: bytes) -> tuple[list[str], bytes]:
+    """Of a controller that answers in lines: the answers that are whole, without line ends, blanks
+    around them and empty ones, and what is left of the next. rest: what the last call left."""
+    *lines, rest = (rest + data).split(b"\n")
+    if len(rest) > LONGEST_ANSWER:
+        lines, rest = [*lines, rest], b""
+    texts = (line.strip(b"\r\0 \t").decode("latin-1") for line in lines)
+    return [text for text in texts if text], rest

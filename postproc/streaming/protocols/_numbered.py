@@ -30,7 +30,7 @@ from postproc.streaming.events import (
     Write,
 )
 from postproc.streaming.lines import Unsendable
-from postproc.streaming.protocols import Controller, Protocol, _answers
+from postproc.streaming.protocols import Controller, Protocol, answers
 
 COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*|\([^()\n]*$")
 BAD = re.compile(rb"[^\x20-\x7e]|[*\\]")
@@ -222,7 +222,7 @@ class Numbered(Protocol):
     # -- answers in --------------------------------------------------------------------------------
 
     def receive(self, data: bytes) -> list[Event]:
-        texts, self._rest = _answers.cut(self._rest, data)
+        texts, self._rest = answers(self._rest, data)
         events: list[Event] = []
         # one after the other: what an answer means may follow from the one before
         for text in texts:

@@ -32,12 +32,11 @@ from postproc.streaming.events import (
     Stray,
 )
 from postproc.streaming.lines import Unsendable
-from postproc.streaming.protocols import Controller, Protocol
+from postproc.streaming.protocols import LONGEST_ANSWER, Controller, Protocol
 from postproc.streaming.protocols._grbl_meanings import ALARMS, ERRORS
 
 TITLE = "GRBL 1.1"
 POKE = b"?"
-LONGEST_ANSWER = 4096  # bytes without a line end that are no answer any more
 COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*|\([^()\n]*$")
 BLANKS = re.compile(rb"[\x00-\x17\x19-\x20]+")
 REALTIME = re.compile(rb"[!?~\x18\x80-\xff]")

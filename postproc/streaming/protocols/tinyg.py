@@ -36,7 +36,7 @@ from postproc.streaming.events import (
     Stray,
 )
 from postproc.streaming.lines import Unsendable
-from postproc.streaming.protocols import UNLIMITED, Controller, Protocol, _answers
+from postproc.streaming.protocols import UNLIMITED, Controller, Protocol, answers
 
 TITLE = "TinyG"
 POKE = b'{"fv":null}\n'
@@ -229,7 +229,7 @@ class TinyG(Protocol):
             if byte in (XON, XOFF):
                 self._held = byte == XOFF
         data = data.translate(None, bytes((XON, XOFF)))
-        texts, self._rest = _answers.cut(self._rest, data)
+        texts, self._rest = answers(self._rest, data)
         events: list[Event] = []
         # one after the other: what an answer means may follow from the one before
         for text in texts:
