@@ -119,16 +119,9 @@ APART = (  # names of one set, two of them at least, and the one whose experimen
     (("structure_drift", "screw_heat", "laser_air", "dead_path"), 2, "structure_drift"),
 )
 FIRST = (
-    "structure_drift",
-    "screw_heat",
-    "windup",
-    "cyclic",
-    "servo_lag",
-    "abbe",
-    "squareness",
-    "spindle_growth",
-    "step_loss",
-)
+    "structure_drift", "screw_heat", "windup", "cyclic", "servo_lag", "abbe", "squareness",
+    "spindle_growth", "step_loss",
+)  # fmt: skip
 
 
 def showing(effect: str, axis: str, machine: Machine) -> str:

@@ -236,14 +236,9 @@ class _Check:
 
     def _needed(self) -> list[str]:
         tails = (
-            "_cmd_mm",
-            "_act_mm",
-            "reading_um",
-            "reading_urad",
-            "radial_um",
-            "nominal_mm",
+            "_cmd_mm", "_act_mm", "reading_um", "reading_urad", "radial_um", "nominal_mm",
             "measured_mm",
-        )
+        )  # fmt: skip
         places = {f"{x}_mm" for x in self.r.axes if x in XYZ}
         return [
             n

@@ -16,22 +16,11 @@ AGAIN = 4.0  # of a further jump of the same axis
 # order: an error of the scale, the squareness and lost motion are what ISO 230-2 and 230-4 list
 # first; what differs along the travel or with the direction is lost motion or friction, and more).
 RARE = {
-    "servo_mismatch": -3.0,
-    "squareness": -2.0,
-    "bow": 2.0,
-    "viscous_friction": 6.0,
-    "coulomb_friction": 2.0,
-    "step_loss": 8.0,
-    "clock_skew": 2.0,
-    "sag": 4.0,
-    "stick_slip": 8.0,
-    "scale": -1.0,
-    "tool_size": -1.0,
-    "backlash_position": 1.0,
-    "friction_asymmetry": 3.0,
-    "windup": 1.0,
-    "delay": 2.0,
-}
+    "servo_mismatch": -3.0, "squareness": -2.0, "bow": 2.0, "viscous_friction": 6.0,
+    "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 4.0, "stick_slip": 8.0,
+    "scale": -1.0, "tool_size": -1.0, "backlash_position": 1.0, "friction_asymmetry": 3.0,
+    "windup": 1.0, "delay": 2.0,
+}  # fmt: skip
 
 
 def cost_of(block: Block) -> float:

@@ -14,13 +14,8 @@ from postproc.effects import structure_drift
 
 LEFT = 0.5  # of the squares of a curve: a line that leaves more does not look like it
 TIME = (
-    "structure_drift",
-    "spindle_growth",
-    "force_compliance",
-    "dead_path",
-    "screw_heat",
-    "laser_air",
-)
+    "structure_drift", "spindle_growth", "force_compliance", "dead_path", "screw_heat", "laser_air",
+)  # fmt: skip
 LENGTH = ("screw_heat", "laser_air", "cosine")
 PLACE = ("abbe",)
 DRIVERS = {
@@ -29,20 +24,11 @@ DRIVERS = {
     "laser_air": ("T_air_C",),
 }
 LOOKS = {
-    "step_loss": TIME,
-    "structure_drift": TIME,
-    "spindle_growth": TIME,
-    "force_compliance": TIME,
-    "tool_wear": TIME,
-    "dead_path": TIME,
-    "screw_heat": TIME,
-    "laser_air": LENGTH,
-    "scale": LENGTH + PLACE,
-    "cosine": LENGTH + PLACE,
-    "pitch_shape": LENGTH + PLACE,
-    "bow": PLACE,
+    "step_loss": TIME, "structure_drift": TIME, "spindle_growth": TIME, "force_compliance": TIME,
+    "tool_wear": TIME, "dead_path": TIME, "screw_heat": TIME, "laser_air": LENGTH,
+    "scale": LENGTH + PLACE, "cosine": LENGTH + PLACE, "pitch_shape": LENGTH + PLACE, "bow": PLACE,
     "squareness": PLACE,
-}
+}  # fmt: skip
 
 
 def names(rows: Rows, block: Block, contribution: np.ndarray) -> list[str]:

@@ -32,13 +32,9 @@ PARAMETERS = {
     "degree": "number, of the last polynomial that such a rotation is drawn with",
 }
 OPTIONAL = {
-    "arm_mm": 0.0,
-    "known": 1.0,
-    "zero_mm": 0.0,
-    "of_file": 0.0,
-    **{f"c{k}_urad": 0.0 for k in DEGREES},
-    "degree": 5.0,
-}
+    "arm_mm": 0.0, "known": 1.0, "zero_mm": 0.0, "of_file": 0.0,
+    **{f"c{k}_urad": 0.0 for k in DEGREES}, "degree": 5.0,
+}  # fmt: skip
 # Beyond 500 mm the tool is not on that carriage, and more of an arm is a rotation that happens to
 # look like something else. Ways of a router turn by 1 mm on 1 m (unverified: usual sizes).
 DRAWN_BY = tuple(f"c{k}_urad" for k in DEGREES)

@@ -29,20 +29,10 @@ PARAMETERS = {
 }
 SHARES = tuple(f"b{k}_um" for k in range(7))
 OPTIONAL = {
-    "b2_um": 0.0,
-    "b3_um": 0.0,
-    "b4_um": 0.0,
-    "b5_um": 0.0,
-    "b6_um": 0.0,
-    "play_mm": 0.0,
-    "degree": 2.0,
-    "worn_um": 0.0,
-    "worn_mm": 0.0,
-    "wide_mm": 0.0,
-    "from_mm": 0.0,
-    "to_mm": 0.0,
+    "b2_um": 0.0, "b3_um": 0.0, "b4_um": 0.0, "b5_um": 0.0, "b6_um": 0.0, "play_mm": 0.0,
+    "degree": 2.0, "worn_um": 0.0, "worn_mm": 0.0, "wide_mm": 0.0, "from_mm": 0.0, "to_mm": 0.0,
     "flank": 0.0,
-}
+}  # fmt: skip
 FLANKS = (0.0, 1.0, -1.0)
 WIDTHS, STEPS = (0.1, 0.2, 0.35), 12  # of the travel; places of a worn stretch along it
 # of what is lost elsewhere, more in a worn stretch; of that, with the other sign (unverified)

@@ -54,16 +54,9 @@ LONGER = 0.0, 0.05, 0.2  # of the travel, at each end
 MOVES = 1e-3  # mm
 NODES = 25  # over a travel: between them less than 1 % of the size is left
 OPTIONAL = {
-    "lever": 0.0,
-    "beam": -1.0,
-    "overhang": 0.0,
-    "free_end": 1.0,
-    "propped": 0.0,
-    "begins": 0.0,
-    "ram": 0.0,
-    "rails": -1.0,
-    "usual_N": 0.0,
-}
+    "lever": 0.0, "beam": -1.0, "overhang": 0.0, "free_end": 1.0, "propped": 0.0, "begins": 0.0,
+    "ram": 0.0, "rails": -1.0, "usual_N": 0.0,
+}  # fmt: skip
 # free end, whether it is propped, from where it stands out, whether it is a ram
 OUT = (
     (1.0, 0.0, 0.0, 0.0),

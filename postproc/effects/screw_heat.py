@@ -37,18 +37,9 @@ PARAMETERS = {
 }
 SIZES = ("alpha_ppm_K", "grown_ppm", "fixed_um_K", "warm_ppm")
 OPTIONAL = {
-    "alpha_ppm_K": 0.0,
-    "grown_ppm": 0.0,
-    "by_travel": 0.0,
-    "held_at_mm": 0.0,
-    "free": 1.0,
-    "fixed_um_K": 0.0,
-    "warm_ppm": 0.0,
-    "warm": 0.0,
-    "until_s": 0.0,
-    "from_s": 0.0,
-    "to_s": 0.0,
-}
+    "alpha_ppm_K": 0.0, "grown_ppm": 0.0, "by_travel": 0.0, "held_at_mm": 0.0, "free": 1.0,
+    "fixed_um_K": 0.0, "warm_ppm": 0.0, "warm": 0.0, "until_s": 0.0, "from_s": 0.0, "to_s": 0.0,
+}  # fmt: skip
 CONTINUOUS = {"tau_s": (60.0, 30000.0), "until_s": (60.0, 1e6)}
 TAUS = (600.0, 1800.0, 5400.0)  # s
 RESTS = (0.3, 0.5, 0.7)  # of what was recorded

@@ -34,15 +34,9 @@ PARAMETERS = {
 }
 SIZES = ("um_per_1000_rpm", "um_per_K", "housing_um", "shift_um")
 OPTIONAL = {
-    "um_per_1000_rpm": 0.0,
-    "um_per_K": 0.0,
-    "housing_um": 0.0,
-    "housing_s": 0.0,
-    "shift_um": 0.0,
-    "shift": 0.0,
-    "power": 1.0,
-    "fastest_rpm": 1000.0,
-}
+    "um_per_1000_rpm": 0.0, "um_per_K": 0.0, "housing_um": 0.0, "housing_s": 0.0, "shift_um": 0.0,
+    "shift": 0.0, "power": 1.0, "fastest_rpm": 1000.0,
+}  # fmt: skip
 PLACES = ("T_spindle_C", "T_head_C", "T_headstock_C")
 # 0.7 m of head and spindle of steel, 35 K warmer, are 280 um; those who grow 50 um at 1000 rpm do
 # not turn ten times as fast.

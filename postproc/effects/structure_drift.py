@@ -45,15 +45,9 @@ PARAMETERS = {
     "back_s": "s, the time in which that comes; 0, there is none",
 }
 OPTIONAL = {
-    "back_um": 0.0,
-    "back_s": 0.0,
-    "from_s": -1.0,
-    "file": -1.0,
-    "bend_um": 0.0,
-    "creep": 0.0,
-    "cycle_s": 0.0,
-    "phase_deg": 0.0,
-}
+    "back_um": 0.0, "back_s": 0.0, "from_s": -1.0, "file": -1.0, "bend_um": 0.0, "creep": 0.0,
+    "cycle_s": 0.0, "phase_deg": 0.0,
+}  # fmt: skip
 CYCLES = (
     600.0,
     3600.0,

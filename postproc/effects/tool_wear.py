@@ -28,14 +28,8 @@ PARAMETERS = {
 }
 SIZES = ("rate_um", "start_um", "worn_um")
 OPTIONAL = {
-    "bores": 1.0,
-    "worn_um": 0.0,
-    "life": 0.0,
-    "older": 0.0,
-    "cut": 0.0,
-    "every": 0.0,
-    "file": -1.0,
-}
+    "bores": 1.0, "worn_um": 0.0, "life": 0.0, "older": 0.0, "cut": 0.0, "every": 0.0, "file": -1.0,
+}  # fmt: skip
 HALF = 0.5  # walls are finished, one with the other, when half of the part is cut
 # A worn flank of 0.6 mm (ISO 3685, uneven wear) at 7 degrees of clearance has set the edge back by
 # 74 um; a grinding wheel between two dressings by less.

@@ -30,13 +30,9 @@ PARTS = (40, 30, 20, 15, 12, 10, 8, 6)
 ABOVE = 10.0
 LEAST = 60.0  # s: a shorter recording at rest is no test of heat
 ABOUT = {
-    ("Z", "X"): "B",
-    ("Z", "Y"): "A",
-    ("X", "Y"): "C",
-    ("X", "Z"): "B",
-    ("Y", "Z"): "A",
+    ("Z", "X"): "B", ("Z", "Y"): "A", ("X", "Y"): "C", ("X", "Z"): "B", ("Y", "Z"): "A",
     ("Y", "X"): "C",
-}
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -29,15 +29,8 @@ LEFT, DYNAMIC = (410, 411), (411, 421)
 # (G18), by the number of the tool's orientation. LinuxCNC: interp_queue.cc, latheorigin_z and
 # latheorigin_x; Fanuc: imaginary tool nose.
 FANUC_NOSE = {
-    1: (1, 1),
-    2: (-1, 1),
-    3: (-1, -1),
-    4: (1, -1),
-    5: (1, 0),
-    6: (0, 1),
-    7: (-1, 0),
-    8: (0, -1),
-}
+    1: (1, 1), 2: (-1, 1), 3: (-1, -1), 4: (1, -1), 5: (1, 0), 6: (0, 1), 7: (-1, 0), 8: (0, -1),
+}  # fmt: skip
 LINUXCNC_NOSE = {number: (z, -x) for number, (z, x) in FANUC_NOSE.items()}
 
 

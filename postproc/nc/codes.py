@@ -46,39 +46,12 @@ KEYWORDS: list[str] = []  # every keyword that a dialect has named so far, in th
 # G49; G54.1 P; G54 where a letter chooses the offset; G59 P; TRANS, ATRANS, G58, G59; G43.4,
 # TRAORI, TRAFOOF; G68.2, G69, G53.1, CYCLE800, PLANE; G12.1, G13.1.
 FRAME_KEYS = (
-    "local",
-    "datum shift",
-    "set",
-    "set zero",
-    "set off",
-    "set back",
-    "data",
-    "length",
-    "length words",
-    "length more",
-    "length minus",
-    "no length",
-    "extended",
-    "fixture",
-    "trans",
-    "atrans",
-    "axis shift",
-    "further axis shift",
-    "no frame",
-    "store",
-    "frame",
-    "numbered",
-    "tip",
-    "tip on",
-    "tip off",
-    "plane",
-    "plane off",
-    "plane align",
-    "swivel",
-    "spatial",
-    "polar on",
+    "local", "datum shift", "set", "set zero", "set off", "set back", "data", "length",
+    "length words", "length more", "length minus", "no length", "extended", "fixture", "trans",
+    "atrans", "axis shift", "further axis shift", "no frame", "store", "frame", "numbered", "tip",
+    "tip on", "tip off", "plane", "plane off", "plane align", "swivel", "spatial", "polar on",
     "polar off",
-)
+)  # fmt: skip
 # Cycles that are corrected in place: holes, holes that are tapped; an engraving, of which the place
 # and the depth are; threads and single passes, of which only ends are.
 CYCLE_KEYS = ("drill", "tap", "there and back", "tap Z", "tap X", "engrave", "thread")
@@ -153,21 +126,10 @@ CALLS = {
     99: "end of subprogram, or again from the top",
 }
 SPINDLE_AND_COOLANT = {
-    0: "stop",
-    1: "optional stop",
-    2: "end of program",
-    3: "spindle clockwise",
-    4: "spindle counter-clockwise",
-    5: "spindle stop",
-    6: "tool change",
-    7: "mist coolant",
-    8: "coolant",
-    9: "coolant off",
-    19: "orient the spindle",
-    30: "end of program, rewind",
-    48: "overrides on",
-    49: "overrides off",
-    60: "pallet change and stop",
-}
+    0: "stop", 1: "optional stop", 2: "end of program", 3: "spindle clockwise",
+    4: "spindle counter-clockwise", 5: "spindle stop", 6: "tool change", 7: "mist coolant",
+    8: "coolant", 9: "coolant off", 19: "orient the spindle", 30: "end of program, rewind",
+    48: "overrides on", 49: "overrides off", 60: "pallet change and stop",
+}  # fmt: skip
 # M codes that a control executes when the block's motion is done
 AFTER_MOTION = (0, 1, 2, 30, 60, 5, 9)

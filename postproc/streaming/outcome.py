@@ -13,18 +13,9 @@ DONE, ERROR, ALARM, RESET, DISCONNECTED, STALLED, ABORTED = (
 )  # fmt: skip
 DRIFT, ALTERED, SENT, FAILED = "drift", "altered", "sent", "failed"
 STATUS = {
-    DONE: 0,
-    ERROR: 10,
-    ALARM: 11,
-    RESET: 12,
-    DISCONNECTED: 13,
-    STALLED: 14,
-    DRIFT: 15,
-    ALTERED: 16,
-    SENT: 17,
-    ABORTED: 130,
-    FAILED: 1,
-}
+    DONE: 0, ERROR: 10, ALARM: 11, RESET: 12, DISCONNECTED: 13, STALLED: 14, DRIFT: 15, ALTERED: 16,
+    SENT: 17, ABORTED: 130, FAILED: 1,
+}  # fmt: skip
 
 
 def _span(what: str, first: int, last: int) -> str:

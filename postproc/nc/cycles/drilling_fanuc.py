@@ -35,18 +35,9 @@ from postproc.nc.cycles.words import Form, named
 from postproc.nc.holes import SUNK, SUNK_ADVICE, WITHOUT_R
 
 MILL: dict[int, Action] = {
-    730: chips,
-    740: bore,
-    810: drill,
-    820: drill,
-    830: pecks,
-    840: bore,
-    842: bore,
-    843: bore,
-    850: bore,
-    860: bore_standing,
-    890: bore,
-}
+    730: chips, 740: bore, 810: drill, 820: drill, 830: pecks, 840: bore, 842: bore, 843: bore,
+    850: bore, 860: bore_standing, 890: bore,
+}  # fmt: skip
 MILL_TAPPING: tuple[int, ...] = (740, 840, 842, 843)
 SHIFT = "it leaves the wall in a direction that a parameter holds"
 MILL_REFUSED = {760: SHIFT, 870: SHIFT, 880: "the operator draws the tool out by hand"}

@@ -21,13 +21,8 @@ from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form, named
 
 AXIAL: dict[int, Action] = {
-    810: drill,
-    820: drill,
-    830: pecks,
-    850: bore,
-    860: bore_standing,
-    890: bore,
-}
+    810: drill, 820: drill, 830: pecks, 850: bore, 860: bore_standing, 890: bore,
+}  # fmt: skip
 # G241 is G81 along X
 RADIAL: dict[int, Action] = {code + 1600: action for code, action in AXIAL.items()}
 TAPS_ALONG_X = (1950, 1960)

@@ -29,16 +29,9 @@ from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form, named
 
 ACTIONS: dict[int, Action] = {
-    730: chips,
-    740: bore_far,
-    810: drill,
-    820: drill,
-    830: pecks,
-    840: bore_far,
-    850: bore,
-    860: bore_standing,
-    890: bore_far,
-}
+    730: chips, 740: bore_far, 810: drill, 820: drill, 830: pecks, 840: bore_far, 850: bore,
+    860: bore_standing, 890: bore_far,
+}  # fmt: skip
 TAPPING = (740, 840)
 UNDEFINED = "LinuxCNC's manual calls it unimplemented, and what it does undefined"
 REFUSED = {870: UNDEFINED, 880: UNDEFINED}

@@ -22,30 +22,14 @@ from postproc.nc.expand.tracker import number as text_of
 
 LETTERS = "XYZABCUVW"  # axes in the order in which controls number them
 MILL = {
-    1: "motion",
-    2: "plane",
-    3: "distance",
-    5: "feed mode",
-    6: "units",
-    7: "cutter",
-    8: "tool length",
-    10: "return",
-    11: "scaling",
-    13: "spindle mode",
-    14: "work offset",
+    1: "motion", 2: "plane", 3: "distance", 5: "feed mode", 6: "units", 7: "cutter",
+    8: "tool length", 10: "return", 11: "scaling", 13: "spindle mode", 14: "work offset",
     16: "rotation",
-}
+}  # fmt: skip
 LATHE = {
-    1: "motion",
-    2: "spindle mode",
-    3: "distance",
-    5: "feed mode",
-    6: "units",
-    7: "cutter",
-    11: "return",
-    14: "work offset",
-    16: "plane",
-}
+    1: "motion", 2: "spindle mode", 3: "distance", 5: "feed mode", 6: "units", 7: "cutter",
+    11: "return", 14: "work offset", 16: "plane",
+}  # fmt: skip
 HAAS = {**{n: group for n, group in MILL.items() if n < 12}, 12: "work offset", 16: "rotation"}
 ADDRESSES = {
     4102: "B", 4107: "D", 4108: "E", 4111: "H", 4113: "M", 4114: "N", 4130: "P",

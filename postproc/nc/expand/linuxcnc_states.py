@@ -23,15 +23,9 @@ from postproc.nc.state import ModalState
 
 # Modal groups that come back, with the code in force where none was named.
 GROUPS = {
-    "plane": 170,
-    "units": 210,
-    "distance": 900,
-    "feed mode": 940,
-    "arc centre": 911,
-    "diameter": 80,
-    "return": 990,
-    "work offset": -1,
-}
+    "plane": 170, "units": 210, "distance": 900, "feed mode": 940, "arc centre": 911,
+    "diameter": 80, "return": 990, "work offset": -1,
+}  # fmt: skip
 STILL = {
     "cutter": "cutter radius compensation",
     "tool length": "the tool length",

@@ -29,17 +29,9 @@ REFERENCES = (280, 300)  # from any place, the ways to it do not lead the path o
 # Modal groups whose codes may stand in a cycle's own block; behind others the tracker is asked
 # anew.
 QUIET = (
-    "motion",
-    "cycle",
-    "distance",
-    "feed mode",
-    "return",
-    "plane",
-    "spindle mode",
-    "path",
-    "arc centre",
-    "cutter",
-)
+    "motion", "cycle", "distance", "feed mode", "return", "plane", "spindle mode", "path",
+    "arc centre", "cutter",
+)  # fmt: skip
 # no motion: a tape mark, a program number
 READABLE = re.compile(rb"[ \t\r]*(%.*|:?[0-9]*|[oO][0-9]+[ \t\r]*)")
 

@@ -26,13 +26,9 @@ MARK = re.compile(
     re.IGNORECASE | re.ASCII,
 )
 CLOSES = {
-    "IF": "ENDIF",
-    "ELSE": "ENDIF",
-    "LOOP": "ENDLOOP",
-    "WHILE": "ENDWHILE",
-    "FOR": "ENDFOR",
+    "IF": "ENDIF", "ELSE": "ENDIF", "LOOP": "ENDLOOP", "WHILE": "ENDWHILE", "FOR": "ENDFOR",
     "REPEAT": "UNTIL",
-}
+}  # fmt: skip
 OPENS = {end: begin for begin, end in CLOSES.items() if begin != "ELSE"} | {"ELSE": "IF"}
 
 OWN_CYCLES = re.compile(r"CYCLE\d+|HOLES\d|POCKET\d|SLOT\d|LONGHOLE")

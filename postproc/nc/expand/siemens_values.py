@@ -61,13 +61,8 @@ class Variable:
 
 
 EMPTY: dict[str, Value | None] = {
-    "REAL": 0.0,
-    "INT": 0,
-    "BOOL": False,
-    "CHAR": 0,
-    "STRING": "",
-    "AXIS": None,
-}
+    "REAL": 0.0, "INT": 0, "BOOL": False, "CHAR": 0, "STRING": "", "AXIS": None,
+}  # fmt: skip
 
 
 @dataclass

@@ -65,22 +65,11 @@ DWELLS = 1.05
 # gcode.c), also behind other words.
 EMPTIED = re.compile(rb"G0*4(?![0-9.])|M0*(?:0|2|30)(?![0-9])", re.IGNORECASE)
 URGENT = {
-    "status": b"?",
-    "hold": b"!",
-    "resume": b"~",
-    "stop": b"\x18",
-    "feed 100": b"\x90",
-    "feed+": b"\x91",
-    "feed-": b"\x92",
-    "rapid 100": b"\x95",
-    "rapid 50": b"\x96",
-    "rapid 25": b"\x97",
-    "spindle 100": b"\x99",
-    "spindle+": b"\x9a",
-    "spindle-": b"\x9b",
-    "spindle stop": b"\x9e",
-    "jog cancel": b"\x85",
-}
+    "status": b"?", "hold": b"!", "resume": b"~", "stop": b"\x18", "feed 100": b"\x90",
+    "feed+": b"\x91", "feed-": b"\x92", "rapid 100": b"\x95", "rapid 50": b"\x96",
+    "rapid 25": b"\x97", "spindle 100": b"\x99", "spindle+": b"\x9a", "spindle-": b"\x9b",
+    "spindle stop": b"\x9e", "jog cancel": b"\x85",
+}  # fmt: skip
 DOES = {
     "hold": "it was told to hold (!): resume (~) executes what it has, a reset (Ctrl-X) drops it",
     "stop": (

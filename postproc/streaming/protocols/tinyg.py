@@ -45,21 +45,9 @@ BLANKS = re.compile(rb"[\x00-\x20]+")
 REALTIME = re.compile(rb"[!~%\x18]|[^\x20-\x7e]")
 XON, XOFF = 0x11, 0x13
 STATES = {
-    0: "start",
-    1: "idle",
-    2: "alarm",
-    3: "idle",
-    4: "idle",
-    5: "run",
-    6: "hold",
-    7: "run",
-    8: "run",
-    9: "home",
-    10: "jog",
-    11: "door",
-    12: "alarm",
-    13: "alarm",
-}
+    0: "start", 1: "idle", 2: "alarm", 3: "idle", 4: "idle", 5: "run", 6: "hold", 7: "run",
+    8: "run", 9: "home", 10: "jog", 11: "door", 12: "alarm", 13: "alarm",
+}  # fmt: skip
 TAKEN = {0, 60, 61, 201, 202}  # ok, and moves too short to make
 MEANINGS = {
     5: "terminated",
