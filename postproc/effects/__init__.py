@@ -20,7 +20,7 @@ Every module holds
 - columns(state, axis, **shape) -> (K, 3, N) mm of deviation at the tool (actual - commanded) for
   unit coefficients of 1 um (rad where state.turned); of instruments (K, N) mm of the reading;
 - parameters(coefficients, shape) -> named parameters of a fit, and coefficients(**parameters) ->
-  (K,), shape: its inverse.
+  (K,), shape: its inverse; _named.by_name makes both where coefficients are parameters themselves.
 
 And it may hold
 
