@@ -23,7 +23,6 @@ from postproc.machine.tip import TipMachine
 from postproc.nc import dialects
 from postproc.units import TICKS_PER_MM, UM
 from postproc.verify import Verifier
-from tests.small_machines import write_lagging
 
 ROOT = Path(__file__).resolve().parents[1]
 TICKS_PER_UM = round(TICKS_PER_MM * UM)
@@ -384,18 +383,3 @@ def test_an_arc_of_several_turns_turns_back_in_each(tmp_path, turns, way):
     m = machine(tmp_path / "m", backlash("X", 6.0) + backlash("Y", 6.0))
     _, verifier = corrected(m, f"G0 X0 Y0 Z0\nG1 X20 F500\n{way} {turns}\nG1 X60\nM2\n", 3)
     assert verifier.passed and verifier.corrected.slide < 1.5 * UM
-
-
-TAKEN_BACK = "G1 Z30 X80.6803 F100\nG0 X150.8988\nX169.86 G1 Z168.404 F250\nX138.0329 Z162.4977\n"
-
-
-@pytest.mark.parametrize("fed", [[TAKEN_BACK], TAKEN_BACK.splitlines(keepends=True)])
-def test_a_slide_that_another_one_takes_back_is_led_beyond_and_back(tmp_path, fed):
-    """Z turns where the third block begins, and its straightness takes X back by 3.9 um, which goes
-    on: X is led over its play of 9.7 um and back (3.8 um were left there, and faded along it)."""
-    m = read_machine(write_lagging(ROOT / "machines" / "studer-s36", tmp_path / "m"))
-    filter_ = Filter(m, dialects.load("fanuc-lathe"), setup_of(m))
-    verifier = Verifier(filter_)
-    out = b"".join([filter_.feed(text.encode()) for text in fed] + [filter_.finish()]).decode()
-    assert "\nX150.8782 G1 Z29.9990 F250\nX150.8979\nX155." in out
-    assert verifier.passed and verifier.corrected.slide < 1.0 * UM

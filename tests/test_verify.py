@@ -59,8 +59,8 @@ def test_of_a_rapid_that_was_cut_the_last_end_counts(tmp_path):
 
 
 def test_what_a_reversal_moves_another_axis_by_is_allowed_where_it_turns(tmp_path):
-    """X turns back on a circle, and its slide moves Y by 12 um in that moment, as Y does X: it is
-    led beyond and back there; without that 12 um are left, and let pass."""
+    """X turns back on a circle, and its slide moves Y by 12 um in that moment: a take-up can bring
+    Y there only behind it."""
     two_way = "X_mm,EXX_um_fwd,EXX_um_rev,EYX_um_fwd,EYX_um_rev\n-500,0,0,0,12\n500,0,0,0,12\n"
     leaning = "[squareness]\nC0Y = 400\n" + backlash("X", 5) + backlash("Y", 5)
     across = "Y_mm,EXY_um_fwd,EXY_um_rev\n-500,0,12\n500,0,12\n"
@@ -68,11 +68,7 @@ def test_what_a_reversal_moves_another_axis_by_is_allowed_where_it_turns(tmp_pat
     circle = "G0 X0 Y0 Z0\nG1 X40 F500\nG91 G2 X0 Y0 I-19 J-3\nG90 G1 X3\nM2\n"
     verifier = verified(m, circle)
     assert m.lateral == 24 * UM and verifier.passed
-    assert verifier.corrected.deviation < 0.5 * UM
-    led = b"G1 X-0.0171 Y-0.0050\nX0.0051\nG2 X0.2342 Y-3.0000 I-19.0023"
-    verifier = verified(m, circle, led, b"G1 X0 Y-0.0050\nX0\nG2 X0.2222 Y-3.0000 I-19.0143")
     assert verifier.allowed < verifier.corrected.deviation < 12.1 * UM < verifier.let_pass
-    assert verifier.passed
 
 
 def test_where_no_axis_turns_back_what_a_reversal_would_move_is_not_let_pass(tmp_path):
@@ -232,43 +228,15 @@ def test_at_its_end_an_arc_has_the_direction_in_which_it_came():
     assert side.tolist() == [[1.0] * 3] * 2 and contour.approach.tolist() == [1.0, 1.0]
 
 
-@pytest.mark.parametrize(
-    "program",
-    [
-        # X goes back by 0.6 um, which says no side (8.6 um were left)
-        "G0 X260. Z390.27\nG1 X259.9988 Z180. F100\n",
-        # it goes on by 0.05 um, and its command back by 1 um (9.9 um)
-        "G0 X117.126 Z311.4139\nG1 X117.1261 Z368.9353 F100\n",
-        # the command of the rapid goes back by 2 um where Z goes on (4.7 um)
-        "G0 X33.378 Z335.3929\nG1 Z335.805 F100\nG0 Z212.7734\nG1 Z212.7739\n"
-        "G0 X31.6171 Z212.7754\nG1 X45.9351 Z212.7761\n",
-        # the rapid took X along as Z turned, and the feed turns Z again (2.5 um)
-        "G0 X316.5 Z14.\nG1 X316.5523 Z39.6929 F100\nG0 Z39.6907\nG1 X339. Z50.7566\n",
-    ],
-)
-def test_where_forward_lies_beyond_reverse_a_feed_begins_on_its_side(program):
-    """On the S-36 the sides of X lie up to 9.8 um apart the other way round: it is led beyond the
-    place where a block begins, and back, where the block does not say the side by itself."""
+def test_where_forward_lies_beyond_reverse_a_turn_in_a_block_is_let_pass_and_said():
+    """X of the S-36 goes back by 0.6 um, and the sides lie up to 9.8 um apart the other way round:
+    no motion takes that up (8.6 um were called an error of gcomp)."""
     m = places.load(str(ROOT / "machines" / "studer-s36"))
     dialect = dialects.load(m.control)
     m = m.carrying(dialect.carried)
-    filter_ = Filter(m, dialect, setup_of(m, {"G54": {}}))
+    filter_ = Filter(m, dialect, setup_of(m, {"G54": {}}, dict.fromkeys("XZ", 0.0)))
     verifier = Verifier(filter_)
-    filter_.feed(b"G21 G90\n" + program.encode() + b"M2\n")
+    filter_.feed(b"G21 G90\nG0 X260. Z390.27\nG1 X259.9988 Z180. F100\nM2\n")
     filter_.finish()
-    assert verifier.passed and verifier.corrected.deviation < 1.0 * UM, verifier.report()
-
-
-def test_where_forward_lies_beyond_reverse_the_last_command_says_the_side():
-    """X is led beyond, and back to its place; 0.2 um forward again, and it stands 10 um away."""
-    m = places.load(str(ROOT / "machines" / "studer-s36"))
-    filter_ = Filter(m, dialects.load(m.control), setup_of(m, {"G54": {}}))
-    verifier, old = Verifier(filter_), b"Z140.0002"
-
-    def damaged(words, motions, pieces, output, line):
-        verifier.check(words, motions, pieces, output.replace(old, old + b" X60.0025"), line)
-
-    filter_.watchers[:] = [damaged]
-    filter_.feed(b"G21 G90\nG0 X40. Z100.\nG1 X60. F100\nZ140.\nM2\n")
-    filter_.finish()
-    assert 9 * UM < verifier.corrected.deviation < 11 * UM, verifier.report()
+    assert verifier.passed and verifier.corrected.deviation > verifier.allowed
+    assert "let pass, where slides turn back" in verifier.report()

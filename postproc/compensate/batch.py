@@ -283,11 +283,9 @@ class Batch(Columns):
                 self.begin[row, taken] = self.wanted[row, taken]
 
     def _taken_up(self, row: int, before: np.ndarray) -> np.ndarray:
-        """(S,) bool: strokes that an axis must begin elsewhere than `before` (S,), where a rapid
-        may have taken along one of which forward lies beyond reverse."""
+        """(S,) bool: strokes that an axis must begin elsewhere than `before` (S,)."""
         off = self.wanted[row] - before
-        along = self.c.overshoots[row] & (np.abs(off) > self.c.band[row])
-        back = self.bound[row] & ~along & (off * self.weight_begin[row] < 0)
+        back = self.bound[row] & (off * self.weight_begin[row] < 0)
         far: np.ndarray = self.turning & (np.abs(off) > self.c.chord * TICKS_PER_MM) & ~back
         return far
 
@@ -340,30 +338,31 @@ class Batch(Columns):
         return np.array(value, np.int64)
 
     def lead_beyond(self) -> None:
-        """`beyond` (A, S) ticks: where axes are led before a stroke is begun, `begin` where not:
-        over its play one that turns twice there; and, since forward beyond reverse holds for the
-        direction of the last command, which a take-up has contrary to the side, one that goes no
-        farther than the hysteresis. `way` (A,): of the last command, for the next batch."""
+        """`beyond` (A, S) ticks: where axes are led before a stroke is begun, `begin` where not. An
+        axis that turns twice where a stroke begins is led over its play first. A map that has
+        forward beyond reverse holds for the direction of the last command, which its take-up has
+        contrary to the side. `way` (A,): of the last command, for the next batch."""
         rows = self.c.followed
-        self.beyond, self.way = self.begin, self.carry.way.copy()
+        self.beyond, self.way = self.begin, self.carry.way
         if not len(rows):
             return
         cutting = self.cutting & self.known_before
-        before, begin, end = (x.take(rows, axis=0) for x in (self.before, self.begin, self.end))
-        first, then = begin - before, end - begin
-        sides = np.zeros(first.shape, np.int64)
+        sides = np.zeros((len(rows), self.end.shape[1]), np.int64)
         rests = self.travel.take(rows, axis=0) == 0
-        rests |= np.abs(then) <= self.c.band.take(rows)[:, None]
         at = (rests & cutting).any(axis=0).nonzero()[0] if any_of(rests) else ()
         if len(at):
             play = self.machine.lost_motion(self.begin.take(at, axis=1) / TICKS_PER_MM, rows)
             beyond = rests.take(at, axis=1) & (play < -self.c.chord)
-            sides[:, at] = np.where(beyond, self.weight_begin[rows[:, None], at], 0)
+            if any_of(beyond):
+                sides[:, at] = np.where(beyond, self.weight_begin[rows[:, None], at], 0)
         twice = self.twice.take(rows, axis=0) & cutting
+        first, then = self.begin - self.before, self.end - self.begin
+        ways = first.take(rows, axis=0), then.take(rows, axis=0)
+        self.way = self.carry.way.copy()
         if not (np.count_nonzero(sides) or np.count_nonzero(twice)):
-            self.way[rows] = last_way(first, then, self.way[rows])
+            self.way[rows] = last_way(*ways, self.way[rows])
             return
-        course = np.stack((np.sign(first), sides, np.sign(then)), 2).reshape(len(rows), -1)
+        course = np.stack((np.sign(ways[0]), sides, np.sign(ways[1])), 2).reshape(len(rows), -1)
         course = hold_last(course, course != 0, self.way[rows])
         out = ((sides != 0) & (course[:, ::3] != sides)) | twice
         self.way[rows] = course[:, -1]
@@ -372,9 +371,9 @@ class Batch(Columns):
             step = self.m.grid[rows].take(self.motion, axis=1)
             far = np.maximum(2 * self.c.hysteresis, play) * TICKS_PER_MM / step
             over = (np.ceil(far).astype(np.int64) + 1) * step
-            led = begin - (self.weight_begin[rows] * over).astype(np.int64)
+            led = self.begin[rows] - (self.weight_begin[rows] * over).astype(np.int64)
             self.beyond = self.begin.copy()
-            self.beyond[rows] = np.where(out & (rests | ~self.sure | (play > 0)), led, begin)
+            self.beyond[rows] = np.where(out, led, self.beyond[rows])
 
     def _nominal_begin(self, row: int) -> np.ndarray:
         inside: np.ndarray = np.rint(self.begin_nominal[row] * TICKS_PER_MM).astype(np.int64)

@@ -34,9 +34,8 @@ class Course:
     """How the two-way axes (T of them) of one batch are led: which strokes say their side by
     themselves, and which leave an axis where it is. `side` and `middle` (T, S) of approach.py;
     `exact` (A, S) mm, commands for these sides; `behind` (T, S) ticks, by how much a slide is held
-    beside its wanted place because it has not turned by the hysteresis; `twice` (T, S): it bears
-    otherwise where the stroke begins than along it; `against` (T, S): there it is taken against the
-    way along it, since another axis changes its side."""
+    beside its wanted place because it has not turned by the hysteresis; `twice` (T, S): it turns
+    one way where the stroke begins, since another axis changes its side, and back along it."""
 
     begin: np.ndarray
     end: np.ndarray
@@ -212,7 +211,7 @@ class Course:
     def bear(self) -> tuple[np.ndarray, np.ndarray]:
         """(T, S) side and state behind each stroke, of wanted places at begins and ends."""
         begin, end = self.begin, self.end
-        self.twice = self.against = np.zeros(end.shape, bool)
+        self.twice = np.zeros(end.shape, bool)
         anew = any_of(self.anew)
         if not (anew or any_of(begin != NOWHERE)):
             return bear(end, self.band, self.sense, self.given, self.stays, self.carry)
@@ -227,12 +226,8 @@ class Course:
         )
         stays |= np.repeat(self.stays, n, axis=1)
         side, middle = bear(place, self.band, sense, given, stays, self.carry)
-        led, there = side[:, n - 1 :: n], middle[:, n - 2 :: n]
-        before = middle[:, ::n] if anew else self.before(middle[:, 1::2], self.carry.middle)
-        own = (begin != NOWHERE) & ~self.given
-        self.twice = (side[:, n - 2 :: n] != led) & own
-        self.against = ((there - before) * led < 0) & own
-        return led, middle[:, n - 1 :: n]
+        self.twice = (side[:, n - 2 :: n] != side[:, n - 1 :: n]) & (begin != NOWHERE) & ~self.given
+        return side[:, n - 1 :: n], middle[:, n - 1 :: n]
 
     def settle(self) -> None:
         """Decide side, middle, exact and behind: first all strokes as the nominal motion leads
@@ -364,8 +359,7 @@ def follow(b: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
     # Where nothing was corrected before, the way to the first corrected place turns an axis too
     # that the stroke moves.
     if any_of(course.twice):
-        alone = (course.travel == 0) | ~b.sure
-        b.twice[course.rows] = course.twice & alone | course.against
+        b.twice[course.rows] = course.twice & ((course.travel == 0) | ~b.sure)
     if np.count_nonzero(course.behind):
         holds = (b.c.reach[course.rows] == 0)[:, None] & b.moved
         exact[course.rows] += np.where(holds, course.behind, 0) / TICKS_PER_MM
