@@ -203,6 +203,12 @@ REFUSED = {
         "across",
         ("across = 1.5 is no number of an axis", "0, 1, 2: X, Y, Z"),
     ),
+    "effect's degree above the highest": (
+        'name = "backlash"\naxis = "X"\nsize_um = 9.0',
+        'name = "pitch_shape"\naxis = "X"\nc2_um = 9.0\ndegree = -12',
+        "degree",
+        ("degree = -12 is above 9, the highest",),
+    ),
     "effect as a plain table": ("[[effect]]", "[effect]", "[effect]", ("[[effect]]",)),
     "chain without workpiece": (
         '"w-b-Z-X-t"',

@@ -47,6 +47,8 @@ def _parameters(word: str, module: ModuleType, text: str) -> dict[str, float]:
             parameters[key] = values.number(value)
         except argparse.ArgumentTypeError as error:
             raise UsageError(f"--with {word}: {key}: {error}", module.PARAMETERS[key]) from None
+        if high := effects.too_high(module, key, parameters[key]):
+            raise UsageError(f"--with {word}: {high}", module.PARAMETERS[key])
         if (known := effects.of_axes(module, key)) and parameters[key] not in known:
             raise UsageError(
                 f"--with {word}: {key} = {value} is no number of an axis", module.PARAMETERS[key]

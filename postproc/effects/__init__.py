@@ -28,6 +28,7 @@ And it may hold
   PLAUSIBLE: its range, beyond which it is something else;
 - special(**shape) -> (name, shape) of its special case, tried in its place; sensible(**parameters):
   False where such parameters are another effect's;
+- HIGHEST_DEGREE: what a degree of its polynomials may be at most;
 - RESTING: True where its axis is the direction of the error, which need not move itself; LISTED:
   True of a fault of the data, listed where rows show it: simulated, never fitted;
 - ALONG: True where it is along its axis and told by each signal alone;
@@ -360,6 +361,12 @@ def of_axes(module: ModuleType, name: str) -> tuple[float, ...]:
     if not meaning.startswith("0, 1, 2: "):
         return ()
     return (0.0, 1.0, 2.0, -1.0) if "; -1, " in meaning else (0.0, 1.0, 2.0)
+
+
+def too_high(module: ModuleType, name: str, value: float) -> str:
+    """What is wrong with the degree of polynomials of which there are not so many; "" if not."""
+    most = getattr(module, "HIGHEST_DEGREE", {}).get(name, ENDLESS)
+    return f"{name} = {value:g} is above {most}, the highest" if abs(value) > most else ""
 
 
 def deviation(module: ModuleType, state: State, axis: str, **parameters: float) -> np.ndarray:

@@ -33,6 +33,7 @@ OPTIONAL = {
     "degree": 2.0, "worn_um": 0.0, "worn_mm": 0.0, "wide_mm": 0.0, "from_mm": 0.0, "to_mm": 0.0,
     "flank": 0.0,
 }  # fmt: skip
+HIGHEST_DEGREE = {"degree": len(SHARES) - 1}
 FLANKS = (0.0, 1.0, -1.0)
 WIDTHS, STEPS = (0.1, 0.2, 0.35), 12  # of the travel; places of a worn stretch along it
 # of what is lost elsewhere, more in a worn stretch; of that, with the other sign (unverified)

@@ -18,6 +18,7 @@ PARAMETERS = {
     "to_mm": "mm, where they end; beyond, it is as there",
 }
 OPTIONAL = dict.fromkeys(PARAMETERS, 0.0)
+HIGHEST_DEGREE = {"degree": MOST}
 # A rolled trapezoidal screw is wrong by 0.3 mm on 300 mm (unverified: makers' catalogues): as a
 # line 1000 ppm of 2 m either side of the middle. What is more than a line is less: a ball screw of
 # ISO 3408-3 grade 10 goes 0.21 mm to and fro on 300 mm.

@@ -39,6 +39,8 @@ def read_effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...
         optional = getattr(module, "OPTIONAL", {})
         parameters = {p: entry.number(p, optional.get(p)) for p in module.PARAMETERS}
         for key, value in parameters.items():
+            if high := effects.too_high(module, key, value):
+                raise entry.fault(key, high, module.PARAMETERS[key])
             if (ways := effects.of_axes(module, key)) and value not in ways:
                 raise entry.fault(
                     key, f"{key} = {value:g} is no number of an axis", module.PARAMETERS[key]

@@ -249,6 +249,11 @@ def test_it_works_in_a_pipe():
         (["--test", "positioning:Z", "--with", "backlash:X"], "size_um is missing"),
         (["--test", "positioning:Z", "--with", "bow:X:size_um=3,across=3"], "no number of an axis"),
         (["--test", "positioning:Z", "--with", "sag:Z:size_um=3,along=1.5"], "number of an axis"),
+        (["--test", "positioning:Z", "--with", "pitch_shape:Z:degree=12"], "12 is above 9, the"),
+        (
+            ["--test", "positioning:Z", "--with", "backlash_position:Z:b0_um=3,b1_um=0,degree=7"],
+            "degree = 7 is above 6, the highest",
+        ),
         (["--test", "positioning:Z", "--without", "T_moon_C"], "no such channel"),
         (["--test", "positioning:Z", "--force", "Y=3"], "no axis of"),
         (["--test", "moon:Z"], "no test 'moon'"),
