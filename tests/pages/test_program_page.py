@@ -14,12 +14,12 @@ import pytest
 
 from postproc import style
 from postproc.cli import main
-from postproc.pages.frame import LARGEST
 from postproc.pages.program import magnified, views
 from tests.pages import drawn
 
 ROOT = Path(__file__).resolve().parents[2]
 SHAFT = ROOT / "sample_programs" / "shaft.nc"
+LARGEST = 3_000_000  # bytes of a page
 
 
 def page(tmp_path: Path, program: Path, machine: str, *words: str) -> str:
