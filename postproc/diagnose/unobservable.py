@@ -18,6 +18,7 @@ SAME = 0.98  # cosine between two effects that nothing tells apart
 def spots(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
     """Effect, axis and why it can not be seen in these recordings."""
     seen = {(b.name, b.axis) for b in every}
+    unread = {b.axis for b in every if b.name == "abbe" and not dict(b.shape)["known"]}
     result = []
     for name in effects.names():
         module = effects.load(name)
@@ -36,10 +37,10 @@ def spots(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
                     )
                 )
                 continue
-            if name == "abbe" and _on_one_line(rows, axis) and (name, axis) not in seen:
+            if name == "abbe" and _on_one_line(rows, axis) and axis not in unread:
                 why = (
-                    f"all readings along {axis} stand on one line: a rotation of {axis} looks like"
-                    " an error of its position there"
+                    f"all readings along {axis} stand on one line: a rotation of {axis} that the"
+                    " machine's file lacks looks like an error of its position there"
                 )
                 result.append((name, axis, why))
                 continue

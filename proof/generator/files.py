@@ -54,9 +54,21 @@ def machine_files(machine: Machine) -> dict[str, str]:
         "",
         "[limits]",
         "max_correction = 0.5",
-        "max_slope = 0.005",
+        f"max_slope = {_max_slope(machine):g}",
     ]
     return {"machine/machine.toml": "\n".join(lines) + "\n"} | files
+
+
+def _max_slope(machine: Machine) -> float:
+    """mm/mm that a user accepts in his machine's file: 0.005, or what his tables have."""
+    steepest = max(
+        float(np.abs(np.diff(values) / np.diff(axis.nodes)).max())
+        for axis in machine.axes.values()
+        for component, sides in axis.tables.items()
+        if component[1] in XYZ
+        for values in sides
+    )
+    return max(0.005, float(np.ceil(steepest)) * 1e-3)
 
 
 def recording(
