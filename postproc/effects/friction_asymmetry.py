@@ -9,7 +9,7 @@ one (see viscous_friction).
 
 import numpy as np
 
-from postproc.effects import State, along, grid, reversal_spike, sampled
+from postproc.effects import State, along, followed, grid, reversal_spike, sampled, settling
 from postproc.effects._named import by_name
 
 PARAMETERS = {
@@ -26,10 +26,16 @@ PARAMETERS = {
     ),
     "power": "1, of the speed that its slopes go with: then um at 100 mm/s; below 1 for grease",
     "length_mm": "mm, over which way it lasts, at any speed; 0, for a time, or as long as it moves",
+    "settle_ms": "ms, time constant with which the loop settles, where it lags as long as it moves",
 }
 SIZES = ("size_um", "slope_um", "difference_um", "difference_slope_um")
-OPTIONAL = {"released": 0.0, "power": 1.0, "length_mm": 0.0}
-CONTINUOUS = {"tau_ms": (4.0, 600.0), "power": (0.3, 0.9), "length_mm": (0.01, 4.0)}
+OPTIONAL = {"released": 0.0, "power": 1.0, "length_mm": 0.0, "settle_ms": 0.0}
+CONTINUOUS = {
+    "tau_ms": (4.0, 600.0),
+    "power": (0.3, 0.9),
+    "length_mm": (0.01, 4.0),
+    "settle_ms": (0.5, 250.0),
+}
 PLAUSIBLE = reversal_spike.PLAUSIBLE | {"difference_um": (-500.0, 500.0)}
 UNLIKE = 0.15
 # times the mean: friction opposes motion both ways, a weight that is not balanced pushes one way
@@ -56,9 +62,9 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
-    """The same of friction that builds up over a way, in a loop."""
+    """The same of a loop that takes its time, or of friction that builds up over a way in it."""
     if shape["tau_ms"] <= 0 and shape["length_mm"] <= 0:
-        return []
+        return settling(shape, state, axis)
     like = {"rebounds": 0.0, "tau_ms": shape["tau_ms"], "length_mm": shape["length_mm"]}
     found = reversal_spike.fuller(like, state, axis)
     return [shape | {k: v for k, v in one.items() if k != "rebounds"} for one in found]
@@ -71,6 +77,7 @@ def columns(
     released: float = 0.0,
     power: float = 1.0,
     length_mm: float = 0.0,
+    settle_ms: float = 0.0,
 ) -> np.ndarray:
     s = state.approach[axis]
     if length_mm > 0 and tau_ms > 0:
@@ -83,11 +90,11 @@ def columns(
     v = state.velocity[axis] / 100.0
     if tau_ms <= 0 and power != 1.0:
         v = np.sign(v) * np.abs(v) ** power
-    if released:
-        return along(axis, -np.sign(v), -np.sign(np.abs(v)))
     # how much more it lags in one direction whatever its speed is an unknown zero
+    lags = (np.sign(v), np.sign(np.abs(v))) if released else (s * sampled(state), v, np.abs(v))
     if tau_ms <= 0:
-        return along(axis, -s * sampled(state), -v, -np.abs(v))
+        tau_s = settle_ms * 1e-3
+        return along(axis, *(-(followed(state, u, tau_s) if tau_s > 0 else u) for u in lags))
     q = state.since[axis] / (tau_ms * 1e-3)
     fade = np.where(v != 0, np.exp(-np.minimum(q, 50.0)), 0.0)
     return along(axis, -fade * s, -q * fade * s, -fade, -q * fade)
@@ -118,7 +125,8 @@ def sensible(
     if released:
         return UNLIKE * abs(size_um) < abs(difference_um) <= OPPOSES * abs(size_um)
     opposes = abs(slope_um) + LIKE_SLOPE * abs(size_um)
-    return UNLIKE * abs(slope_um) < abs(difference_slope_um) <= OPPOSES * opposes
+    at_100_mm_s = abs(slope_um) + abs(size_um)
+    return UNLIKE * at_100_mm_s < abs(difference_slope_um) <= OPPOSES * opposes
 
 
 def _rms(size: float, slope: float) -> float:

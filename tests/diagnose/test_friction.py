@@ -30,6 +30,24 @@ def test_friction_turns_round_as_the_loop_settles():
     assert found[0] == pytest.approx([5e-3, 5e-3, 5e-3, 0.0, -5e-3])
 
 
+def test_friction_that_differs_turns_round_as_the_loop_settles():
+    """10 um of dry friction at either side, 4 um of grease more in + than in - at 100 mm/s: as it
+    was in the turn, half way between after 20 ms x ln 2, on the other side in the end."""
+    time = np.array([0.0, 1.0, 1.0, 1.0 + 0.02 * np.log(2.0), 10.0])
+    side = np.array([-1.0, -1.0, 1.0, 1.0, 1.0])
+    state = State(
+        {"X": np.zeros(5)},
+        {"X": side},
+        {"X": (0.0, 1.0)},
+        velocity={"X": 100.0 * side},
+        time=time,
+        passage=np.zeros(5),
+    )
+    sizes = {"size_um": 10.0, "slope_um": 0.0, "difference_um": 0.0, "difference_slope_um": 4.0}
+    found = effects.deviation(friction_asymmetry, state, "X", tau_ms=0.0, settle_ms=20.0, **sizes)
+    assert found[0] == pytest.approx([6e-3, 6e-3, 6e-3, -4e-3, -14e-3])
+
+
 def test_a_position_loop_lags_as_a_first_order_element():
     """From rest to 100 mm/s at 1000 mm/s2 with a gain of 50 per s: by the solution of
     e' = v - 50 e, e = (a / 50) (t - 20 ms (1 - exp(-t / 20 ms))) while it accelerates, then it
