@@ -116,11 +116,15 @@ def test_a_slash_within_a_block_of_the_language_is_refused(block):
 def test_limits_and_the_place_of_a_fault():
     place = refused("O1\nN5 G1 X10. (ALL) Y[ 1 / #1 ]\n", "p.nc:2").place
     assert place.text[place.start - 1 : place.stop - 1] == "/ #1"
-    said = "1000 blocks have been executed (limit 1000)"
+    said = "more than 1,000 lines were executed"
     refused("#1=0\nN1 #1=#1+1\nGOTO 1\n", said, limits=Limits(steps=1000))
-    refused("O1\nM98P1\n", "nested 11 deep (limit 10)", limits=Limits(depth=10))
+    refused("O1\nM98P1\n", "more than 10 calls are nested in each other", limits=Limits(depth=10))
     assert len(run("X1\n" * 50, limits=Limits(steps=10))) == 50  # the text itself is never too long
-    refused("#1=1\n" + "X1\n" * 50 + "GOTO 1\nN1 GOTO 1\n", "limit 53", limits=Limits(steps=10))
+    refused(
+        "#1=1\n" + "X1\n" * 50 + "GOTO 1\nN1 GOTO 1\n",
+        "more than 53 lines",
+        limits=Limits(steps=10),
+    )
 
 
 @pytest.mark.parametrize(

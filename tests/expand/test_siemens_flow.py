@@ -83,7 +83,7 @@ def test_control_structures(text, expected):
 def test_gotos_leads_to_the_first_line():
     tracker = Follower()
     assert texts("X=IC(1)\nIF $AA_IW[X]<3 GOTOS\nX9", tracker=tracker) == ["X=IC(1)"] * 3 + ["X9"]
-    refused("X1\nGOTOS", "not at its end after 100 lines", limits=Limits(100, 5))
+    refused("X1\nGOTOS", "more than 100 lines were executed", limits=Limits(100, 5))
 
 
 @pytest.mark.parametrize(
@@ -134,7 +134,7 @@ def test_block_delete():
 def test_limits():
     e = refused(
         "R1=0\nWHILE TRUE\nR1=R1+1\nENDWHILE",
-        "not at its end after 1000 lines",
+        "more than 1,000 lines were executed",
         limits=Limits(1000, 5),
     )
     assert "loop" in e.advice
@@ -145,7 +145,12 @@ def test_limits():
         limits=Limits(1000, 5),
     )
     refused("LL: X1\nREPEATB LL P=9\nREPEAT LL P=9", "", limits=Limits(5, 5))
-    refused("NIL P=9999", "not at its end after 50", library={"NIL": b"X1"}, limits=Limits(50, 5))
+    refused(
+        "NIL P=9999",
+        "more than 50 lines were executed",
+        library={"NIL": b"X1"},
+        limits=Limits(50, 5),
+    )
 
 
 # -- subprograms -----------------------------------------------------------------------------------

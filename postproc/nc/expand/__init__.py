@@ -32,6 +32,20 @@ class Limits:
     steps: int = 10_000_000
     depth: int = 50
 
+    def endless(self, most: int = 0) -> Refusal:
+        """What is said beyond `steps`; most: the limit, where it is another."""
+        return Refusal(
+            f"more than {most or self.steps:,} lines were executed",
+            "does a loop not end? --max-steps sets the limit",
+        )
+
+    def too_deep(self) -> Refusal:
+        """What is said beyond `depth`."""
+        return Refusal(
+            f"more than {self.depth} calls are nested in each other",
+            "does a program call itself? --max-depth sets the limit",
+        )
+
 
 @dataclass(frozen=True)
 class Program:

@@ -75,8 +75,7 @@ class _Run:
         for at in rows:
             self.left -= 1
             if self.left < 0:
-                what = f"{self.limits.steps} blocks have been executed (limit {self.limits.steps})"
-                raise self._fault(at, what, "does a loop not end? --max-steps sets the limit")
+                raise self.limits.endless().at(self.program.name, at + 1, self.texts[at])
             call = ROUTINE.fullmatch(self.codes[at])
             if call is None:
                 yield from self._plain(at)
@@ -86,8 +85,7 @@ class _Run:
                 what = f"there is no subroutine L{number}00 before M30"
                 raise self._fault(at, what, "write its motions here: it may be the control's own")
             if depth >= self.limits.depth:
-                what = f"subroutines call each other {depth} deep"
-                raise self._fault(at, what, "does one call itself? --max-depth sets the limit")
+                raise self.limits.too_deep().at(self.program.name, at + 1, self.texts[at])
             for _ in range(times):
                 yield from self._run(self.routines[number], depth + 1)
 

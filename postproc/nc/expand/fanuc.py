@@ -129,7 +129,7 @@ class Runner:
         raw, self.place = frame.source.texts[at], (0, 0)
         try:
             if self.steps >= self.most:
-                raise self._too_long()
+                raise self.limits.endless(self.most)
             self.steps += 1
             if self.tracker.setup.block_delete and DELETED.match(raw):
                 return raw
@@ -370,13 +370,7 @@ class Runner:
 
     def _enter(self, frame: Frame, place: tuple[int, int] = (0, 0)) -> None:
         if len(self.frames) > self.limits.depth:
-            advice = (
-                "does a program call itself? --max-depth sets the limit (a control: 4 macros, 10"
-                " subprograms)"
-            )
-            raise Refusal(
-                f"calls nested {len(self.frames)} deep (limit {self.limits.depth})", advice, *place
-            )
+            raise self.limits.too_deep().placed(*place)
         self.frames.append(frame)
         self._in_force()
 
@@ -441,9 +435,3 @@ class Runner:
             at += 1
         if source.closing >= 0:
             yield Line(source.texts[source.closing], source.numbers[source.closing])
-
-    def _too_long(self) -> Refusal:
-        return Refusal(
-            f"{self.steps} blocks have been executed (limit {self.most})",
-            "does a loop not end? --max-steps sets the limit",
-        )

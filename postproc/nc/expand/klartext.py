@@ -91,10 +91,7 @@ class _Run:
                 part.at += 1
                 self.steps += 1
                 if self.steps > self.limits.steps:
-                    raise Refusal(
-                        f"more than {self.limits.steps:,} statements run",
-                        "does it repeat without an end? --max-steps sets the limit",
-                    )
+                    raise self.limits.endless()
                 if part.text.lstrip().startswith(b"/") and self.tracker.setup.block_delete:
                     continue
                 yield from self._statement(part)
@@ -164,10 +161,7 @@ class _Run:
         to, here = self._to(part, _name(call[1], call[2])), part.here
         if call[3] is None:
             if len(part.back) >= self.limits.depth:
-                raise Refusal(
-                    f"labels call each other {len(part.back)} deep",
-                    "does a label call itself? --max-depth sets the limit",
-                )
+                raise self.limits.too_deep()
             part.back.append(part.at)
             part.at = to
         elif part.repeated.get(here, 0) < int(call[3]):
@@ -199,10 +193,7 @@ class _Run:
                 "put its file there, or name its folder with --library",
             )
         if part.depth >= self.limits.depth:
-            raise Refusal(
-                f"programs call each other {part.depth} deep",
-                "does a program call itself? --max-depth sets the limit",
-            )
+            raise self.limits.too_deep()
         inner = Program(plain, found).lines()
         kept = [b"" if re.match(rb"BEGIN|END PGM|BLK", _code(t)) else t for t in inner]
         yield from self.run(kept, plain, part.depth + 1)

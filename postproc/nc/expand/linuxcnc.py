@@ -83,7 +83,7 @@ class Run:
             flow.at, steps = at + 1, steps + 1
             try:
                 if steps > most:
-                    raise self._too_many()
+                    raise self.limits.endless()
                 plain = self._step(file, at, text)
                 back = self.states.called(len(flow.calls))
             except Refusal as e:
@@ -198,7 +198,7 @@ class Run:
                     found.append(plain)
                     words = [m["word"] for m in PLACE.finditer(plain) if m["word"]]
                     beside.take(b" ".join([b"G0", *words]) if words else b"")
-            raise self._too_many()
+            raise self.limits.endless()
         except Refusal as e:
             raise BlockFault(0, e.message, e.advice) from None
         finally:
@@ -217,12 +217,6 @@ class Run:
             self._run_out()
             self.ended = True
         return file.lines[at]
-
-    def _too_many(self) -> Refusal:
-        return Refusal(
-            f"more than {self.limits.steps:,} lines were executed",
-            "does a loop not end? or raise the limit",
-        )
 
     # -- the end -----------------------------------------------------------------------------------
 

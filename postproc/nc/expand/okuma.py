@@ -117,10 +117,7 @@ class _Run:
             try:
                 self.left -= 1
                 if self.left < 0:
-                    raise Refusal(
-                        f"more than {self.limits.steps:,} statements run",
-                        "does it repeat without an end? --max-steps sets the limit",
-                    )
+                    raise self.limits.endless()
                 code = part.codes[here]
                 if self.tracker.setup.block_delete and DELETED.match(part.texts[here]):
                     yield self._line(part, here)
@@ -205,10 +202,7 @@ class _Run:
         """A subprogram, so many times; behind it the variables of the call are empty."""
         called = self._find(part, name)
         if depth >= self.limits.depth:
-            raise Refusal(
-                f"programs call each other {depth} deep",
-                "does a program call itself? --max-depth sets the limit",
-            )
+            raise self.limits.too_deep()
         names = self._assign(part, given.encode("latin-1"))
         for _ in range(times):
             yield from self._run(replace(called), depth + 1)

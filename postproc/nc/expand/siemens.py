@@ -89,11 +89,7 @@ class Run:
                 continue
             raw = source.lines[at]
             if steps > limit:
-                endless = Refusal(
-                    f"the program is not at its end after {limit} lines",
-                    "correct the loop that does not end",
-                )
-                raise endless.at(source.name, at + 1, raw)
+                raise self.limits.endless().at(source.name, at + 1, raw)
             if plain(raw):
                 yield from self.drilled(frame, Line(raw, at + 1, source.file))
                 if frame.repeats:
@@ -203,10 +199,7 @@ class Run:
     def nested(self, frame: Frame) -> None:
         """Raises Refusal where calls and repeated sections are nested too deep."""
         if max(len(self.frames), len(frame.repeats)) > self.limits.depth:
-            raise Refusal(
-                f"more than {self.limits.depth} calls are nested in each other",
-                "a program may call itself",
-            )
+            raise self.limits.too_deep()
 
     def call(self, frame: Frame, call: Call) -> None:
         """A subprogram from the same folder."""
