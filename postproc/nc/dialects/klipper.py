@@ -12,6 +12,7 @@ macro of printer.cfg, if it is anything.
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.dialects.marlin import (
+    _M,
     _SHIFTS,
     BARE_WORDS,
     HEAD,
@@ -43,6 +44,11 @@ _NO_OFFSET = (
     HEAD + r"SET_GCODE_OFFSET(?:[ \t]+[XYZE](?:_ADJUST)?[ \t]*=[ \t]*[+-]?0*\.?0*(?![\d.])|["
     r" \t]+MOVE(?:_SPEED)?=[\d.]+)+[ \t\r]*$"
 )
+# M codes of Marlin that it has.
+_HAS = """
+    18 20 21 23 24 25 26 27 73 82 83 84 104 105 106 107 109 110 112 114 115 117 118 119 140 141 190
+    191 201 203 204 205 220 221 400 500 502 503 862 900
+"""
 _NO_INCH = "this control has no inches: let the slicer or CAM program write millimetres"
 
 DIALECT = Dialect(
@@ -60,48 +66,7 @@ DIALECT = Dialect(
         *rows("", {"10": "retract filament", "11": "recover filament"}, takes=True, does="words"),
         *rows("", {"28": "home"}, takes=True),
     ),
-    m_codes={
-        18: "motors off",
-        20: "list files",
-        21: "media in",
-        23: "select a file",
-        24: "start printing",
-        25: "pause",
-        26: "set the file's place",
-        27: "report",
-        73: "progress",
-        82: "E absolute",
-        83: "E incremental",
-        84: "motors off",
-        104: "hotend temperature",
-        105: "report temperatures",
-        106: "fan on",
-        107: "fan off",
-        109: "hotend temperature, wait",
-        110: "line number",
-        112: "emergency stop",
-        114: "report the position",
-        115: "report the firmware",
-        117: "message",
-        118: "message to the host",
-        119: "report endstops",
-        140: "bed temperature",
-        141: "chamber temperature",
-        190: "bed temperature, wait",
-        191: "chamber temperature, wait",
-        201: "acceleration limits",
-        203: "feed limits",
-        204: "acceleration",
-        205: "jerk",
-        220: "feed percentage",
-        221: "flow percentage",
-        400: "finish motions",
-        500: "store settings",
-        502: "factory settings",
-        503: "report settings",
-        862: "printer check",
-        900: "pressure advance",
-    },
+    m_codes={n: _M[n] for n in map(int, _HAS.split())},
     grammar=Grammar(
         checksums=True,
         ignores=(r"^[ \t]*@[^;\n]*", MODES, _QUIET, _NO_OFFSET),
