@@ -56,11 +56,12 @@ def recognises(banner: str) -> bool:
 class Marlin(Numbered):
     """One connection. `counting`: fill its command slots where it reports them."""
 
+    title = TITLE
     does: Mapping[str, str] = DOES
     questions = (b"M115", b"M113", b"M503 S0", b"M114")
 
     def __init__(self, counting: bool = True):
-        super().__init__(counting, Controller(TITLE, window=1, line_limit=80, planner=20))
+        super().__init__(counting, Controller(self.title, window=1, line_limit=80, planner=20))
         self._alive = self._paused = False
         self._steps: tuple[float, ...] = ()
         self._zero: tuple[float, ...] = ()
