@@ -220,6 +220,9 @@ def build(series: list[Series], options: Options) -> Component:
         raise CalibrationError(
             f"{one.component} has {len(cells.nodes)} target", "two at least", Place(one.file, 1)
         )
+    # All that is done to the means is linear: gaps filled, a line taken off, zero at the datum. So
+    # one matrix leads from the means as read to the values as written, and their variances follow
+    # by the same matrix: a value that the datum fixes has none.
     k = len(cells.nodes)
     ways = 2 if cells.two_way else 1
     mean = cells.mean[:ways].ravel()
@@ -320,7 +323,7 @@ def _variance(one: Series, cells: Cells, ways: int) -> tuple[np.ndarray, np.ndar
     n = np.maximum(cells.n[:ways], 1).ravel()
     if not scatter.known:
         return np.full(n.shape, np.nan if one.u is None else one.u**2) / n, np.full(n.shape, np.inf)
-    least = step_of(one.reading) ** 2 / 12.0
+    least = step_of(one.reading) ** 2 / 12.0  # of a value that was rounded to the step
     return np.maximum(scatter.s[:ways].ravel() ** 2, least) / n, scatter.dof[:ways].ravel()
 
 

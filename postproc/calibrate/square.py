@@ -48,6 +48,11 @@ def sign(name: str) -> int:
 
     It is the component of (unit vector of the rotation) x (unit vector of the leaning axis).
     """
+    #      leaning Y  nominal Y       C0Y > 0: Y is turned by it about Z, from X towards Y, and so
+    #             \   |               leans to -X. A point at q of Y lies C0Y q to the left of where
+    #         C0Y  \__|  q            it should: sign("C0Y") is -1. By the cross product of unit
+    #               \ |               vectors z x y = -x.
+    #                \|______ X
     turn, leans, other = ROTARY.index(name[0]), XYZ.index(name[2]), XYZ.index(other_of(name))
     unit = np.eye(3)
     return int(np.cross(unit[turn], unit[leans])[other])
@@ -70,6 +75,9 @@ def from_slopes(name: str, slopes: Mapping[str, float]) -> float:
     is the machine's: with B0X, EZX has the slope -B0X. The square's own angle over 90 degrees goes
     into `from_square`.
     """
+    #     against a square that lies turned by t        C0Y = sign * (EXY's slope + EYX's slope)
+    #     EYX reads  e + t    (Y beside X's way)        t, which is nobody's error, drops out of
+    #     EXY reads  f - t    (X beside Y's way)        the sum: e + f
     a, b = tuple(pair_of(name))
     return sign(name) * (slopes[f"E{a}{b}"] + slopes[f"E{b}{a}"])
 

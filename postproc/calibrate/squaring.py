@@ -342,6 +342,8 @@ def _round(calibration: Calibration, recording: Recording, plane: str) -> np.nda
 def _leftover(calibration: Calibration, diagonal: Diagonal) -> tuple[float, float]:
     """rad: slope over its length of what a diagonal's reading has beyond the components, and its
     u."""
+    # Squareness makes one diagonal of a face longer and the other as much shorter, scales make both
+    # longer (ISO 230-6): of what the components leave, the slope over the length tells all of it.
     machine = calibration.machine
     count = len(diagonal.reading)
     position = machine.at({**diagonal.rest, **diagonal.path}, count)

@@ -156,6 +156,7 @@ class Cutting:
                 break
             low, least, most = self.low[which], reach[which], over[which]
             t = self.samples.t
+            # What is off by `excess` limits over a way t is off by one over t / sqrt(excess).
             far = t[low] + (t[most] - t[low]) / np.sqrt(np.maximum(excess[which], 1.0))
             near = self.samples.until(low, most, np.nextafter(far, 2.0)) - 1
             middle = np.where(excess[which] > 1.0, near, (least + most) // 2)

@@ -34,6 +34,10 @@ def settle(b: Batch) -> None:
     free = b.free[holes.motion]
     for k in map(int, np.flatnonzero(free)):
         i, row = int(b.hole[k]), int(holes.axis[k])
+        #    R        o     )          ) what corrects the axis at each depth, looked at from above
+        #             |    (           as a cloud of places: the hole is written at the middle of
+        #             |     )          the box around it, so that half the box's diagonal, `bend`,
+        #    bottom   v      )         is the most that stays
         target, exact = down(b, k, b.weight_end[:, i : i + 1])
         across, middle, bend, depth = axis_of(b.machine, exact, target, row)
         stands = (b.end[:, i - 1] if i else b.carry.issued)[across]
@@ -49,6 +53,7 @@ def settle(b: Batch) -> None:
         step = b.m.grid[:, holes.motion[k]]
         whole = np.rint((place - b.end_nominal[:, i]) * TICKS_PER_MM / step).astype(np.int64) * step
         b.end[across, i] = b.nominal_end[across, i] + whole[across] if holes.place[k] else stands
+        # In whole increments: less than half of one leaves the word as it stands.
         steps = np.rint(depth * TICKS_PER_MM / step[row])
         bottom = holes.bottom[k] + int(steps) * step[row] if row in b.rows else holes.bottom[k]
         if (bottom > holes.level[k]) != (

@@ -36,6 +36,9 @@ def say(b: Batch) -> None:
     if not len(stroke):
         return
     owner, t, correction = _along(b, stroke)
+    #   start o---------------> end     The correction c(t) is split: what of it lies across the way
+    #          \ c(t)                   bends the thread (`aside`), and a cut would take it out;
+    #           v                       what lies along it (`ahead`) the spindle's turns decide.
     way = (b.end_nominal - b.begin_nominal)[b.rows][:, stroke]
     length = np.linalg.norm(way, axis=0)
     ahead = (correction * (way / np.where(length > 0, length, 1.0))[:, owner]).sum(axis=0)

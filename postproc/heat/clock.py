@@ -142,6 +142,8 @@ def _durations(
     motions: Motions, spindle: pace.Spindle, rpm: np.ndarray, rates: Rates
 ) -> tuple[np.ndarray, int]:
     """(N,) s, and how many motions have no feed that says how long they take."""
+    # A rapid takes as long as its slowest axis. F counts along the way of the slides, as if rotary
+    # axes stood still, and where these move alone in degrees (NIST RS274/NGC 2.1.2.5).
     known = motions.start_known & motions.target_known
     way = np.where(known, np.abs(motions.target - motions.start), 0) / TICKS_PER_MM
     rapid = (way / rates.velocity[:, None]).max(axis=0, initial=0.0)

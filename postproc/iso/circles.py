@@ -73,6 +73,9 @@ class Trace:
 def least_squares(points: np.ndarray, nominal: float) -> Circle:
     """The circle with the smallest sum of squared radial distances (Gauss-Newton). points (N, 2)
     mm."""
+    # With n the direction from the centre to a point, its distance d from a centre that is moved by
+    # c becomes d - n . c to first order. So d - r = dr + n . c, by least squares, gives by how much
+    # the radius is too small, and which way the centre has to go.
     centre, radius = np.zeros(2), nominal
     for _ in range(ROUNDS):
         away = points - centre
@@ -167,6 +170,8 @@ def trace(run: int, angle: np.ndarray, radial: np.ndarray, nominal: float) -> Tr
     gap = float(np.diff(turned).max(initial=0.0))
     cut = 0.0
     step = float(np.median(np.diff(turned))) if len(turned) > 1 else 0.0
+    #   recorded  |~~~~|=========================|~~~~|     the feed comes up and goes down in ~~~~
+    #   kept           |<---- the middle turn -->|
     if total >= 2 * np.pi:
         start = (turned[0] + turned[-1]) / 2 - np.pi
         inside = (turned >= start - 1e-9) & (turned < start + 2 * np.pi - 1e-9)

@@ -70,6 +70,15 @@ class Positioning:
     @cached_property
     def repeatability(self) -> np.ndarray:
         """(3, m) R_i approached in +, in -, two-way."""
+        # Two-way: the span from the lower edge of the lower cloud to the upper edge of the other,
+        # 2 s + |B| + 2 s, unless one cloud alone is wider (ISO 230-2).
+        #
+        #      |<-- 4 s+ -->|
+        #      |.....o......|                 o  mean of the runs in +, and in -
+        #            |<-- B -->|
+        #                |.....o......|
+        #                |<-- 4 s- -->|
+        #      |<------- R_i -------->|
         one = 4 * self.s
         two = 2 * self.s[0] + 2 * self.s[1] + np.abs(self.reversal)
         return np.vstack([one, np.maximum(two, one.max(axis=0))])

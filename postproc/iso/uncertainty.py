@@ -42,6 +42,9 @@ def terms_of(
     u_reading: mm or rad, what the recording says; alone: one run only, so that the scatter does not
     hold the reading's own; of: the parameters that there are.
     """
+    # A range is the difference of two readings, hence the root of 2. B is a difference at one and
+    # the same target: what the device reads wrong there drops out of it, and what it adds by chance
+    # is in the scatter of the runs, unless there is one run alone. R is that scatter.
     terms: list[Term] = []
     unit, name = (URAD, "urad") if angle else (UM, "um")
     own = stated.device_angle if angle else stated.device
@@ -160,6 +163,8 @@ def _of_s(test: Positioning, name: str) -> float:
     s^2/(2(n-1)) of an s."""
     rows = {"+": [0], "-": [1]}.get(name[1:], [0, 1])
     mean, s, n = test.mean[rows], test.s[rows], test.n[rows]
+    # A = (mean + 2 s) at one target less (mean - 2 s) at another: each end has the variance of a
+    # mean and 4 times that of an s. R_i of one direction is 4 s, two-way 2 s+ + 2 s- + |B|.
     of_s = s**2 / (2 * np.maximum(n - 1, 1))
     of_mean = s**2 / np.maximum(n, 1)
     if name[0] == "A":

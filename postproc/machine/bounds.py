@@ -30,6 +30,11 @@ class Bounds:
         """mm/mm: how much the slope of the deviation can differ between two places, at most. The
         chord of any path of length s misses the deviation by at most kink * s / 4 (product terms
         apart)."""
+        #                   o      The slope lies between a and a + k. The worst path has a on one
+        #              .   /       half of s and a + k on the other. Its chord has a + k / 2, so the
+        #         .       /        corner lies s / 2 * k / 2 = k s / 4 beside it.
+        #    o-----------+
+        #      a          a + k
         total = self._grid_slopes()
         for letter, table in self.machine.every_table:
             low, high = table.slopes.min(axis=(1, 2)), table.slopes.max(axis=(1, 2))
@@ -170,6 +175,7 @@ class Bounds:
         """mm: bound of what a sum of first order leaves out, the products of two errors: every
         angle turns every other error and its arm. Sizes are those of the tables' nodes."""
         m = self.machine
+        # Each angle at its largest, all of one sign, times the sum of all that they can turn.
         angle = shift = 0.0
         for x in m.chain.axes:
             size, lean, _, _ = self._sizes(x, np.zeros(1))

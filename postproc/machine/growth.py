@@ -155,6 +155,10 @@ def _grown_by(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Nodes mm, and mm per K of the k-th thermometer: the integral of its share from the fixed
     point on."""
+    #   share 1 -----.              of the thermometer at p1: the scale before it is as warm, up to
+    #                 `.            p2 it has a share that falls in a line, beyond p2 none. What a
+    #         0         `--------   place moves by per K is the area from the fixed point to there,
+    #               p1   p2   p3    times the rate of the scale.
     low, high = axis.travel
     nodes = np.unique(np.concatenate([np.linspace(low, high, PARTS + 1), places.clip(low, high)]))
     share = np.eye(len(places))[k]

@@ -142,6 +142,7 @@ def _nodes(own: Machine, moving: str, pose: dict[str, float]) -> tuple[np.ndarra
             nodes = ends
             break
 
+    # What a chord misses goes with the square of its length: eight halvings leave 1 / 65536 of it.
     for _ in range(8):
         by_interval, worst = _missed(own, moving, pose, nodes)
         cut = by_interval > SEEN
@@ -189,6 +190,8 @@ def _spread(
     matter = {x: where for x, where in places.items() if alone[x].max() > 1e-12}
     if not matter:
         return np.zeros(len(own.letters)), {}
+    # Arms grow in lines with every other slide, so together they are longest in a corner of the
+    # travels; only a table over two axes may have its largest value at a node between.
     corners = [
         off(dict(zip(matter, map(float, p), strict=True)))
         for p in product(*({float(w[0]), float(w[-1])} for w in matter.values()))
@@ -215,6 +218,8 @@ def _rest(machine: Machine, slides: list[str]) -> list[str]:
     if not np.all(np.isfinite([rows[machine.letters.index(x)] for x in machine.chain.axes])):
         return []
     inside = [np.where(np.isfinite(r), r, 0.0) for r in rows]
+    # Where effects of several axes are largest no table tells: places all over the volume, drawn
+    # with a fixed seed, so that the notice is the same every time.
     shares = np.random.default_rng(1).random((len(rows), 256))
     position = np.stack(
         [low + s * (high - low) for (low, high), s in zip(inside, shares, strict=True)]

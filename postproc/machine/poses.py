@@ -32,6 +32,13 @@ def frames(machine: Machine, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     rows = {x: i for i, x in enumerate(machine.letters)}
     place = np.repeat(machine.tool[:, None].astype(float), n, axis=1)
     ways = np.zeros((3, 3, n))
+    # From the tool to the part. A rotary axis turns all that lies between it and the tool about its
+    # own line: a head the tool and the slides that it carries, a table everything, as seen from the
+    # part (positive is the tool's motion relative to the part, ISO 841, also of a table).
+    #
+    #   w --- C --- b --- Y --- X --- Z --- A --- t
+    #                                       |<--->|    turned by A
+    #         |<--------------------------------->|    turned by C
     for letter in reversed(machine.chain.axes):
         if letter in XYZ:
             ways[XYZ.index(letter), XYZ.index(letter)] = 1.0
@@ -129,6 +136,7 @@ class Poses:
         for angles in _turns_to(self.machine, normal):
             for turns in itertools.product((-2, -1, 0, 1, 2), repeat=len(angles)):
                 pose = position.copy()
+                # the same direction of the tool, other places of the axes: cables tell them apart
                 pose[rows] = np.array(angles) + 360.0 * np.array(turns)
                 travels = [self.machine.axes[x].travel for x in self.rotary]
                 if all(

@@ -80,6 +80,7 @@ class AlongPath:
     def at(self, position: np.ndarray, approach: np.ndarray, tool: np.ndarray) -> np.ndarray:
         """(N,) mm: U at places, as in `see`."""
         u = np.zeros(position.shape[1])
+        # Where no rotation is uncertain the tool is no arm of anything: one length stands for all.
         lengths, which = np.unique(
             tool if self.known.turns else 0.0 * tool, axis=1, return_inverse=True
         )

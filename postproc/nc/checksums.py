@@ -92,6 +92,10 @@ def renumber(text: bytes, state: Numbering = START) -> tuple[bytes, Numbering]:
     not fit its line is computed anew; where there was none behind an N, none is invented. Lines
     that need no change, comments and blank lines keep their bytes.
     """
+    #   as it came          corrected               as it leaves
+    #   N1 G1 X1*96         N1 G1 X1.002*96         N1 G1 X1.002*124    other bytes, another sum
+    #                       G1 X1.5                 N2 G1 X1.5*120      put in: the next number
+    #   N2 G1 X2*96         N2 G1 X2.001*96         N3 G1 X2.001*126    all behind count on: shift 1
     if state.last is None and b"*" not in text:
         return text, state
     out = []

@@ -65,6 +65,8 @@ def tilt(
     shift = frame.local + frame.trans + (frame.preset if frame.preset_on else 0)
     work = (work_columns(b)[:, 0] + shift)[rows] / TICKS_PER_MM
     base = kinematics.space_at(b.state.position / TICKS_PER_MM) if counts == "call" else Space()
+    # Places are told with the work offset in them, x = work + w; a word w means work + O + T w. So
+    # the space is T x + (O + work - T work).
     plane = base.of(Space(tuple(turn.ravel().tolist()), _three(zero + work - turn @ work)))
     b.frame = with_known(replace(frame, plane=replace(plane, held=False)), PLANE, reason)
 

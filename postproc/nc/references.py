@@ -83,6 +83,9 @@ def _sent(
 ) -> tuple[np.ndarray, np.ndarray]:
     """(B,) positions and events where blocks `there` send the axis to a place: what follows counts
     from it."""
+    #   block      G0 X10   G28 X0   G91 X5   X5   G90 X20     reference point 400
+    #   position     10        0        5     10     20        by the words alone
+    #   sent         10      400      405    410     20        up to the next absolute place
     position, named = position.copy(), named.copy()
     for block in there:
         later = named[block + 1 :].nonzero()[0]

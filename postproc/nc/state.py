@@ -82,6 +82,10 @@ class Frame:
     @cached_property
     def shift(self) -> np.ndarray:
         """(A,) ticks: their sum. Words that are places of the tool tip know no length."""
+        #   machine zero                                                  where the slide stands
+        #        |--- work offset ---|- G52, TRANS -|- G43 -|- G92 -|--- coordinate --->|
+        #   So position = work + shift + coordinate; what a G92 or a G10 L20 sets follows from the
+        #   coordinate that it names, solved for its own part.
         total: np.ndarray = self.local + self.trans
         total = total + self.length if self.space is None else total
         return total + self.preset if self.preset_on else total

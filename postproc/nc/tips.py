@@ -56,6 +56,9 @@ def _stands_unknown(word: str, unknown: list[str]) -> tuple[str, str] | None:
 # Whole: a list of reasons in their order of precedence.
 def tip_on(b: Batch, axis_words: AxisWords, word: str) -> None:
     """TRAORI, M128: from here on X Y Z are places of the tip."""
+    #   frame "zero"   X Y Z are the machine's while the table stands at zero, and turn with it
+    #   frame "call"   they are the machine's as the table stands at the call, and turn from there
+    # With the table at zero both are the same: only then need nobody say which.
     kinematics = b.setup.kinematics
     if kinematics is None:  # no rotary axis: the tip goes as the slides do
         return

@@ -118,6 +118,10 @@ class Path:
     ) -> tuple[float, WireLine] | None:
         """The part beside which it is least, and by how much; None: within the limit. seen: rows
         of the parts' places that the report has; place: mm, those of the report."""
+        #            x  the report          The least distance from any line that is not over:
+        #            :                      a machine that is late, or ahead, is on one of them, and
+        #   o--------+------o------o         one beside them all is not where it was sent. Axes
+        #     over     may be executed       that are not known are taken as they are reported.
         best, at = math.inf, parts[0].line
         for part in parts:
             points = np.array(part.places)[:, seen]

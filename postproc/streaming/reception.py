@@ -6,6 +6,9 @@ CODES a DC2 comes first and a DC4 last; lines end with CR LF or LF. Fanuc's punc
 (general knowledge, unverified on hardware). With 7 bits and a parity the line is read as 8 bits, so
 that each byte's parity is looked at here: a serial port that checks it may drop the byte, or pass
 it.
+
+    DC2  NUL NUL ..  %  CR LF  O1234 CR LF  N10 G0 X1. CR LF  ..  %  NUL NUL ..  DC4
+         leader      |<----------------- the program ----------->|   trailer
 """
 
 from __future__ import annotations

@@ -176,6 +176,10 @@ class Preamble:
 
     def lines(self) -> list[str]:
         """All blocks."""
+        #   safe Z     +---------------->+      out in rapid, the tool, across in rapid, spindle
+        #              |                 |      and coolant on, and a wait for the spindle
+        #   stands at  o                 v      down at PLUNGE at most: what is below may be uncut
+        #                                o      the program's own modes and feed, then the line
         first_feed, feed = self._feeds()
         lines = [
             *self._units(),

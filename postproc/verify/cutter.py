@@ -168,6 +168,10 @@ class CentreVerifier:
                 self._measure(contour, way, near, into)
 
     def _measure(self, contour: Contour, way: Way, near: list[Way], into: Largest) -> None:
+        #   contour   nominal    ------>     shifted by the radius     nominal centre  . . . .
+        #             corrected  ~~~~~~>     shifted by the radius     where the slides are sent
+        # With the deviation there the centre comes to `actual`: its distance from the dotted line
+        # is what the part is off by. A rapid cuts nothing: its end alone counts.
         t = (
             np.ones(1)
             if way.rapid

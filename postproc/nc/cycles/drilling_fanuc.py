@@ -121,6 +121,11 @@ class FanucDrilling(Drilling):
 
     def _hole(self, scene: Scene, block: Block, code: int, axis: str) -> Hole:
         """By the words that hold. Raises ProgramError where one is missing."""
+        #   initial level   o- - ->o       o- - -   G98: back to where the axis stood when the first
+        #                          :       ^        cycle began, which the next one keeps
+        #   R level                +    +- -        G99: back to R
+        #                          |    ^
+        #   bottom                 v- - +
         for letter, name in (("R", "R level"), ("depth", "bottom")):
             if letter not in self.held:
                 raise scene.fault(

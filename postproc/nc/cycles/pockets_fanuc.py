@@ -114,6 +114,9 @@ class TypeTwo:
 
     def _region(self) -> None:
         """All cuts: those that lie below another one behind it, before the next beside it."""
+        #   level 1   ------------ 1 ------------      what lies below a cut follows it at once, one
+        #   level 2   -- 2 --.         .-- 4 --        trough to its bottom before the next
+        #   level 3    - 3 -  `-------'  - 5 -
         left = [(1, cut) for cut in reversed(self._cuts(self._level(1)))]
         while left:
             k, cut = left.pop()

@@ -9,6 +9,9 @@ troubleshooting): DC1 go, DC3 stop, DC2 and DC4 before and after where they are 
 and closes the program; a block ends with LF or CR LF. After DC3 a control takes only so many more
 bytes before it raises an alarm (Fanuc 087: its buffer has overflowed), so few bytes leave at once,
 and input is looked at between: no driver and no FIFO is trusted.
+
+    control   DC1 .......................... DC3 ............ DC1 ..............
+    gcomp         16 bytes, 16 bytes, 16 bytes, (at most 16)      16 bytes, ...
 """
 
 from __future__ import annotations

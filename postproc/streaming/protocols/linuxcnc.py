@@ -8,7 +8,13 @@ the program is not sent line by line. gcomp writes it into a file, has it opened
 a line for answered when `program_line` has gone past it. A message behind a dwell at the program's
 end says that it came to its end (another panel may take the message away: then the last motion must
 have been seen in execution); without that, what ended was not the whole program. Line numbers of
-the file are those of the wire and one more, for its first line is %."""
+the file are those of the wire and one more, for its first line is %.
+
+    out   hello EMC gcomp 1.0                  in   HELLO ACK ..
+    out   set mode auto, set open .., set run  in   SET MODE ACK, SET OPEN ACK, SET RUN ACK
+    out   get program_line .. abs_act_pos      in   PROGRAM_LINE 12 .. ABS_ACT_POS 1.000000 ..
+                                                    wire lines below 11 are over: two reports of 12
+"""
 
 from __future__ import annotations
 
