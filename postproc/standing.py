@@ -25,17 +25,30 @@ OPTIONS = {
     "figure": marks.FIGURE,
     "residuals": marks.RESIDUALS,
 }
+PLACES = ("file", "output", "program_out")
 
 
 def options(asked: argparse.Namespace) -> None:
-    """Raises UsageError where an option names a file that gcomp did not make."""
-    if getattr(asked, "force", False) is True:
-        return
-    for name, kind in OPTIONS.items():
+    """Raises UsageError where an option names a file that gcomp did not make, or two one file."""
+    for name, kind in OPTIONS.items() if getattr(asked, "force", False) is not True else ():
         path = getattr(asked, name, None)
         if isinstance(path, str) and path:
             # gcomp stream --report job.json
             result(path, marks.JSON if path.lower().endswith(".json") else kind, "another name")
+    _once(asked)
+
+
+def _once(asked: argparse.Namespace) -> None:
+    """What is told of a program goes neither over it nor to one file with something else."""
+    seen: set[str] = set()
+    for option in (*PLACES, *OPTIONS):
+        name = getattr(asked, option, None)
+        if not isinstance(name, str) or not name or (name == "-" and option in PLACES):
+            continue
+        place = name if name == "-" else os.path.realpath(name)
+        if place in seen and option not in PLACES:
+            raise UsageError(f"two things are to be written to {name}", "name two files")
+        seen.add(place)
 
 
 def result(path: str | Path, kind: marks.Mark, way: str) -> None:

@@ -8,7 +8,6 @@ from postproc import ports
 from postproc.accept import judge, pairing, report
 from postproc.commands import as_json, option_text
 from postproc.commands.recording_files import read_files, reading_arguments, reading_options
-from postproc.errors import UsageError
 from postproc.iso import Options
 from postproc.iso.lines import LINES
 from postproc.machine import places
@@ -41,10 +40,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    if options.page and options.page == options.json:
-        raise UsageError(
-            f"the page and the JSON are both to be written to {options.json}", "name two files"
-        )
     machine = places.load(options.machine) if options.machine else None
     how = reading_options(options)
     named, apart = (

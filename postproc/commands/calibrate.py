@@ -55,11 +55,8 @@ def run(options: argparse.Namespace) -> int:
     for text in _not_taken(like):
         print(f"\nnot taken from {options.like}: {text}", file=out)
     if options.output:
-        backup = write_folder(Path(options.output), texts, options.force)
-        print(
-            f"\nwritten: {options.output}" + (f" (the old one is {backup})" if backup else ""),
-            file=out,
-        )
+        kept = write_folder(Path(options.output), texts, options.force)
+        print(f"\nwritten: {options.output}{kept}", file=out)
     else:
         print("\nnothing is written: -o machines/NAME names the folder", file=out)
     as_json.put(options.json, report.data(calibration) | {"sha256": digests})
@@ -228,9 +225,9 @@ def _recordings(
 # -- what is written -------------------------------------------------------------------------------
 
 
-def write_folder(path: Path, texts: dict[str, str], force: bool) -> Path | None:
+def write_folder(path: Path, texts: dict[str, str], force: bool) -> str:
     """The folder in one step: whole and readable as a machine before it has its name. Returns where
-    the old one went.
+    the old one went, for a person.
 
     Raises UsageError where a folder is there already (unless `force`), CalibrationError where the
     machine would be refused.
@@ -261,7 +258,7 @@ def write_folder(path: Path, texts: dict[str, str], force: bool) -> Path | None:
             if backup is not None:
                 os.rename(backup, path)
             raise
-        return backup
+        return f" (the old one is {backup})" if backup else ""
     except BaseException:
         with contextlib.suppress(OSError):
             shutil.rmtree(temporary)

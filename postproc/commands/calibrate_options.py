@@ -7,6 +7,7 @@ from typing import Any
 
 from postproc.calibrate import LINES, STEEL, report, square
 from postproc.commands import option_text, values
+from postproc.commands.machine_values import axis, parts, travel
 from postproc.commands.recording_files import reading_arguments
 from postproc.errors import UsageError
 from postproc.units import URAD
@@ -54,19 +55,12 @@ recordings+ REC  recordings of one axis moving, of diagonals, of circles; or a s
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     option_text.add(
-        parser, OPTIONS, travel=_range, least_increment=values.length, max_slope=float,
+        parser, OPTIONS, travel=travel, least_increment=values.length, max_slope=float,
         line=LINES[0], squareness=squareness, square_error=_two, square_at=(values.place, {}),
         lead=_length_of, point=(values.place, {}), u_temperature=(float, 0.0),
         expansion=(float, STEEL * 1e6),
     )  # fmt: skip
     reading_arguments(parser)
-
-
-def named(text: str) -> tuple[str, str]:
-    name, equals, rest = text.partition("=")
-    if not equals or not name.strip() or not rest.strip():
-        raise argparse.ArgumentTypeError(f"{text!r} is not NAME=VALUE")
-    return name.strip().upper() if len(name.strip()) < 4 else name.strip(), rest.strip()
 
 
 def _float(text: str, whole: str) -> float:
@@ -79,27 +73,11 @@ def _float(text: str, whole: str) -> float:
     return value
 
 
-def _axis(name: str, whole: str) -> str:
-    if name not in tuple("XYZABC"):
-        raise argparse.ArgumentTypeError(f"{whole!r}: {name!r} is not one of X Y Z A B C")
-    return name
-
-
-def _range(text: str) -> tuple[str, tuple[float, float]]:
-    name, rest = named(text)
-    low, _, high = rest.partition(",")
-    result = _float(low, text), _float(high, text)
-    if result[0] >= result[1]:
-        raise argparse.ArgumentTypeError(f"{text!r} must be two ascending numbers, mm: Z=-5,520")
-    return _axis(name, text), result
-
-
 def _length_of(text: str) -> tuple[str, float]:
-    name, rest = named(text)
-    value = _float(rest, text)
+    name, (value,) = parts(text, "Z=5", 1)
     if value <= 0:
         raise argparse.ArgumentTypeError(f"{text!r}: a lead is above zero, mm")
-    return _axis(name, text), value
+    return axis(name, text), value
 
 
 def _two(text: str) -> tuple[float, float]:
@@ -108,7 +86,8 @@ def _two(text: str) -> tuple[float, float]:
 
 
 def squareness(text: str) -> tuple[str, Any]:
-    name, rest = named(text)
+    name, _, rest = (part.strip() for part in text.partition("="))
+    name = name.upper()
     if name not in square.NAMES:
         raise argparse.ArgumentTypeError(
             f"{text!r}: {name!r} is not one of {', '.join(square.NAMES)}"
@@ -126,8 +105,8 @@ def datum_of(texts: list[str]) -> tuple[dict[str, float], bool]:
         if text == "none":
             continue
         try:
-            name, rest = named(text)
-            places[_axis(name, text)] = _float(rest, text)
+            name, (place,) = parts(text, "Z=0", 1)
+            places[axis(name, text)] = place
         except argparse.ArgumentTypeError as error:
             raise UsageError(f"--datum {error}", "--datum Z=0, or --datum none") from None
     return places, "none" in texts

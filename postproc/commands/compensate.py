@@ -117,7 +117,6 @@ def _one_place_each(options: argparse.Namespace) -> None:
         raise UsageError(
             "the program and --json - are both for standard output", "-o FILE for the program"
         )
-    _written_once(options)
 
 
 def _as_it_goes(options: argparse.Namespace) -> None:
@@ -132,13 +131,6 @@ def _as_it_goes(options: argparse.Namespace) -> None:
             raise UsageError(
                 f"{what} at the end of a program, and --unbuffered has none", "without --unbuffered"
             )
-
-
-def _written_once(options: argparse.Namespace) -> None:
-    named = [options.output or "", options.file or "", options.json or "", options.report or ""]
-    for k, name in enumerate(named):
-        if name not in ("", "-") and k > 1 and name in named[:k]:
-            raise UsageError(f"two things are to be written to {name}", "name another file")
 
 
 def _live(filter_: Filter, source) -> None:

@@ -135,7 +135,7 @@ def report(
     what is unverified."""
     lines = [
         f"{machine.name} (map {machine.digest}) for {control}: {module.TITLE}",
-        f"sign: {getattr(module, 'SIGN', 'see its description')}",
+        f"sign: {module.SIGN}",
         "",
         f"{'component':<10}{'nodes':>7}{'largest correction':>21}{'left by the table':>20}"
         f"{'U (95 %)':>13}",
@@ -159,7 +159,7 @@ def of_control(name: str, module: Any) -> dict[str, Any]:
     return {
         "control": name,
         "title": module.TITLE,
-        "sign": getattr(module, "SIGN", ""),
+        "sign": module.SIGN,
         "known": control_tables.label(module),
     }
 
@@ -179,20 +179,16 @@ def listing(control: str | None) -> str:
     if control:
         one = found[0]
         width = max((len(k) for k in one["keys"]), default=0)
-        head = [f"{control}: {one['title']}", f"sign: {_sign(one)}", one["known"]]
+        head = [f"{control}: {one['title']}", f"sign: {one['sign']}", one["known"]]
         return "\n".join([*head, *(f"  --set {k:<{width}}  {v}" for k, v in one["keys"].items())])
     width = max(len(one["control"]) for one in found)
     rows = []
     for one in found:
         rows += [
             f"{one['control']:<{width}}  {one['title']}",
-            f"{'':<{width}}  {one['known']}; sign: {_sign(one)}",
+            f"{'':<{width}}  {one['known']}; sign: {one['sign']}",
         ]
     return "\n".join(rows)
-
-
-def _sign(one: dict[str, Any]) -> str:
-    return one["sign"] or "see its description"
 
 
 def of_tables(tables: list[ErrorTable]) -> list[dict[str, Any]]:

@@ -11,7 +11,6 @@ from pathlib import Path
 from postproc import ports
 from postproc.commands import as_json, option_text, values
 from postproc.commands.recording_files import read_files, reading_arguments, reading_options
-from postproc.errors import UsageError
 from postproc.iso import Options, Stated, choose, figure, report
 from postproc.iso.lines import LINES
 from postproc.units import UM, URAD
@@ -55,13 +54,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    named = [
-        name for name in (options.figure, options.json, options.report) if name and name != "-"
-    ]
-    if len(set(named)) < len(named):
-        raise UsageError(
-            f"two things are to be written to {max(named, key=named.count)}", "name two files"
-        )
     if options.figure:
         figure.check(options.figure)
     read = read_files(options.files, options.format, reading_options(options))

@@ -1,6 +1,4 @@
-"""Values of the options of `gcomp machines new`, read from text: travel, scale, lost motion,
-squareness.
-"""
+"""Values of an axis in options, read from text: travel, scale, lost motion, squareness."""
 
 from __future__ import annotations
 
@@ -13,7 +11,7 @@ from postproc.machine.chain import XYZ
 from postproc.units import URAD
 
 
-def _parts(text: str, like: str, n: int) -> tuple[str, list[float]]:
+def parts(text: str, like: str, n: int) -> tuple[str, list[float]]:
     name, _, rest = text.strip().partition("=")
     try:
         numbers = [float(part) for part in rest.split(",")]
@@ -24,40 +22,40 @@ def _parts(text: str, like: str, n: int) -> tuple[str, list[float]]:
     return name.strip().upper(), numbers
 
 
-def _axis(name: str, text: str) -> str:
+def axis(name: str, text: str) -> str:
     if name not in (*XYZ, "A", "B", "C"):
         raise argparse.ArgumentTypeError(f"{text!r}: {name!r} is no axis")
     return name
 
 
 def travel(text: str) -> tuple[str, tuple[float, float]]:
-    name, (low, high) = _parts(text, "X=0,400", 2)
+    name, (low, high) = parts(text, "X=0,400", 2)
     if low >= high:
         raise argparse.ArgumentTypeError(f"{text!r}: the lower end comes first, X=0,400")
-    return _axis(name, text), (low, high)
+    return axis(name, text), (low, high)
 
 
 def length_of(text: str) -> tuple[str, float]:
-    name, (size,) = _parts(text, "X=0.05", 1)
+    name, (size,) = parts(text, "X=0.05", 1)
     if not -1 <= size <= 2:
         raise argparse.ArgumentTypeError(
             f"{text!r} is {size:g} mm of lost motion: mm are wanted, X=0.05 is 50 um"
         )
-    return _axis(name, text), size
+    return axis(name, text), size
 
 
 def scale(text: str) -> tuple[str, tuple[float, float]]:
-    name, (commanded, measured) = _parts(text, "X=300,300.2", 2)
+    name, (commanded, measured) = parts(text, "X=300,300.2", 2)
     if commanded <= 0 or measured <= 0:
         raise argparse.ArgumentTypeError(f"{text!r}: both ways are above zero, X=300,300.2")
-    return _axis(name, text), (commanded, measured)
+    return axis(name, text), (commanded, measured)
 
 
 Known = Callable[[argparse.Namespace], float | None]  # rad, by what the options say of lengths
 
 
 def angle(text: str) -> tuple[str, float, str, Known]:
-    name, (value,) = _parts(text, "C0Y=120", 1)
+    name, (value,) = parts(text, "C0Y=120", 1)
     if name not in square.NAMES:
         raise argparse.ArgumentTypeError(
             f"{text!r}: {name!r} is not one of {', '.join(square.NAMES)}"
@@ -66,7 +64,7 @@ def angle(text: str) -> tuple[str, float, str, Known]:
 
 
 def drift(text: str) -> tuple[str, float, str, Known]:
-    names, (size, way) = _parts(text, "X/Y=0.05,300", 2)
+    names, (size, way) = parts(text, "X/Y=0.05,300", 2)
     drifts, _, moving = names.partition("/")
     if drifts not in tuple(XYZ) or moving not in tuple(XYZ) or drifts == moving or not way:
         raise argparse.ArgumentTypeError(
@@ -82,7 +80,7 @@ def drift(text: str) -> tuple[str, float, str, Known]:
 
 
 def diagonals(text: str) -> tuple[str, float, str, Known]:
-    pair, (rising, falling, a, b) = _parts(text, "XY=565.9,565.4,400,400", 4)
+    pair, (rising, falling, a, b) = parts(text, "XY=565.9,565.4,400,400", 4)
     if pair not in ("XY", "YZ", "XZ") or min(rising, falling, a, b) <= 0:
         raise argparse.ArgumentTypeError(
             f"{text!r} is not like XY=565.9,565.4,400,400 (XY, YZ or XZ, mm)"

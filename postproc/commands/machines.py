@@ -83,12 +83,11 @@ def _new(options: argparse.Namespace) -> int:
     from postproc.commands.calibrate import write_folder
 
     path, texts = machine_new.made(options)
-    backup = write_folder(path, texts, options.force)
+    kept = write_folder(path, texts, options.force)
     machine = read_machine(path)
     out = as_json.beside(options.json)
     print(show(machine), file=out)
     as_json.put(options.json, machine_facts.document([machine_facts.of(machine)]))
-    kept = f" (the old one is {backup})" if backup else ""
     print(
         f"\nwritten: {path}{kept}; next: gcomp job.nc --machine"
         f" {path if options.output else options.name} --verify",

@@ -75,8 +75,7 @@ def _write(options: argparse.Namespace, fit, turned: bool, read) -> str:
     if not options.output:
         return "\nnothing is written: -o machines/NAME names the folder"
     texts = _folder(options, fit, turned, read)
-    backup = write_folder(Path(options.output), texts, options.force)
-    kept = f" (the old one is {backup})" if backup else ""
+    kept = write_folder(Path(options.output), texts, options.force)
     return f"\nwritten: {options.output}{kept}"
 
 

@@ -281,11 +281,6 @@ def test_lost_motion_of_the_wrong_sign_is_named(tmp_path, capsys):
     assert "EXX goes beyond its command" in capsys.readouterr().out
 
 
-def test_page_and_json_to_one_file_are_refused(tmp_path, capsys):
-    assert gcomp("accept", *files(tmp_path), "--json", "a", "--page", "a") == 2
-    assert "name two files" in capsys.readouterr().err
-
-
 def test_another_direction_is_no_uncorrected_machine(loop, capsys):
     """A diagonal read along another line than before, against commanded places, looked as if
     nothing had happened."""

@@ -77,9 +77,11 @@ def test_a_calibration_has_the_page_of_its_machine_with_doubts_first(tmp_path, c
     capfd.readouterr()
 
 
-def test_two_things_do_not_go_to_one_place(tmp_path, capfd):
-    one = str(tmp_path / "one")
-    assert main(["iso", str(RECORDINGS / "z_positioning.csv"), "--report", one, "--json", one]) == 2
+@pytest.mark.parametrize("command", ["iso", "calibrate", "diagnose", "accept"])
+def test_two_things_do_not_go_to_one_place(tmp_path, capfd, command):
+    one, page = str(tmp_path / "one"), "--page" if command == "accept" else "--report"
+    file = str(RECORDINGS / "z_positioning.csv")
+    assert main([command, file, page, one, "--json", f"{tmp_path}/./one"]) == 2
     assert "two things are to be written to" in capfd.readouterr().err
 
 

@@ -34,11 +34,8 @@ class History:
 
 
 def refuse(options: argparse.Namespace) -> None:
-    """Raises UsageError for two things to one place, and for a place that is none: a good job must
-    not end in what could be said before its first byte."""
-    both = options.report, options.json
-    if all(both) and (both[0] == both[1] or _same(*both)):
-        raise UsageError(f"two things are to be written to {options.report}", "name two files")
+    """Raises UsageError for a place that is none: a good job must not end in what could be said
+    before its first byte."""
     for path in (options.report, options.json):
         if path in (None, "-"):
             continue
@@ -51,11 +48,6 @@ def refuse(options: argparse.Namespace) -> None:
                 f"{path} could not be written when the job is over: {folder} {why}",
                 "make the folder, or name another one",
             )
-
-
-def _same(one: str, other: str) -> bool:
-    """Whether two names are one file."""
-    return "-" not in (one, other) and os.path.realpath(one) == os.path.realpath(other)
 
 
 def write(
