@@ -154,6 +154,7 @@ def _paths(parts: list[Columns], state: State) -> dict[str, np.ndarray]:
         if not most:
             continue
         ways = np.zeros((max(most, 2), len(state)))
+        # as one that came from far away, turned, and has gone `distance` since
         ways[0], ways[1] = -FAR * state.approach[x], state.distance[x] * state.approach[x]
         first = 0
         for p in parts:
@@ -201,6 +202,7 @@ def _filled(name: str, state: State) -> np.ndarray:
         return filled
     order = np.argsort(state.time[timed_known], kind="stable")
     t, level = state.time[timed_known][order], values[timed_known][order]
+    # before its own first reading, from the room's first one on: as warm as the room
     if room is not None and (felt := np.isfinite(room) & timed).any():
         first = np.flatnonzero(felt)[np.argmin(state.time[felt])]
         if state.time[first] < t[0]:

@@ -1,4 +1,11 @@
-"""The dictionary's columns as one instrument's readings show them, whitened, and their products."""
+"""The dictionary's columns as one instrument's readings show them, whitened, and their products.
+
+Readings are many (n, thousands) and the columns of a set few, and sets are many: so each set is
+judged by products alone, of which a new block D adds a row to what is there, once and for all sets:
+
+              B     Z     D of others    D         y
+        D'    bd    zd    crossed        within    dy
+"""
 
 from __future__ import annotations
 

@@ -67,6 +67,7 @@ class Machine(Stated):
         total = 0.0
         for x, half in tables:
             size = 2 * np.abs(half).max(axis=1)
+            # its own motion is no side of it: `least_play` is about that
             size[3 + ROTARY.index(x) if x in ROTARY else along(x)] = 0.0
             total += self.bounds.at_tip(x, size)
         return total
@@ -99,6 +100,8 @@ class Machine(Stated):
         if letter not in XYZ:  # no slide makes up for it, so its own motion is wanted as it is
             return total
         own = XYZ.index(letter)
+        # A table is mean + approach * half (postproc.machine.tables): that at -1 less that at +1 is
+        # -2 half. A slide with lost motion stops short both ways, so half is below zero.
         for table in self._playing[letter]:
             total = total - 2 * table.half_of(own, q[letter])
         for grid in self.grids_of[letter]:
@@ -209,6 +212,7 @@ class Machine(Stated):
             part = summed(part, grid.evaluate(q[letter], q[grid.other], s[letter]))
         if (growth := self.expansions.get(letter)) is not None:
             more: Parts = [None] * 6
+            # the scale is held at `fixed`, and grows to both sides of it
             more[ROTARY.index(letter) if letter in ROTARY else along(letter)] = growth.rate * (
                 q[letter] - growth.fixed
             )

@@ -5,6 +5,12 @@ Each modal group is a column over the blocks, filled down from the last code giv
 block names stays a single number. Absolute words set a position, incremental words add to it; both
 in whole ticks, so any cut of the input gives the same positions.
 
+    N1 G0 X9 . N2 X8 | N3 G92 X0 . N4 G1 X5 . N5 X6 | N6 G54 . N7 X1      a batch of blocks
+    '-- segment ---' '---------- segment ---------' '-- segment --'       followed one by one
+
+A block that shifts the coordinates (postproc.nc.frames) begins a segment, so within one every shift
+is a number, and all its blocks are followed at once.
+
 Not followed here, and handed on as motions with a reason (postproc.nc.codes): cycles, cutter
 radius, tool length, shifts of the coordinates, subprograms.
 """
@@ -115,7 +121,7 @@ class Interpreter(Control):
             try:
                 motions, state, more = follow(Batch(self, part, state))
             except BlockFault as fault:
-                fault.block += first
+                fault.block += first  # it was counted in the segment
                 raise
             parts.append(motions)
             blocks.append(first)

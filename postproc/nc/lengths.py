@@ -1,4 +1,14 @@
-"""Tool lengths: G43 and its kin, D and T where they act at once, and G10 where it writes them."""
+"""Tool lengths: G43 and its kin, D and T where they act at once, and G10 where it writes them.
+
+     slide  o-----  = coordinate + work offset and other shifts + length      (G44: - length)
+            |
+            | length: of a mill along Z, of a turning tool X and Z
+            |
+       tip  v-----  = coordinate + work offset and other shifts
+
+The slide is what motions tell of, for its place is what the machine's tables are about. A length
+moves nothing by itself: it says where the next word leads, but where a control travels it at once.
+"""
 
 from __future__ import annotations
 

@@ -86,6 +86,7 @@ class Before:
     def _spindle(self, codes: set[float], word: dict[str, float], command: float) -> None:
         """Surface speed and S; command: the largest M of the block."""
         self.surface = (self.surface or 96 in codes) and 97 not in codes
+        # S beside G4 counts turns, beside G10 sets data, with G50 and G92 limits the speed.
         if "S" in word and command <= 5 and codes.isdisjoint((4, 10, 50, 92)):
             self.speed = f"S{word['S']:g}"
 
@@ -136,7 +137,9 @@ class Before:
             motions.target[axis] - motions.start[axis],
             0,
         )
-        calls = iter([*called, 1 << 62])
+        # How a rapid along the axis leads away from a cut tells on which side the work is open: OUT
+        # of a mill's pocket or off a turned diameter, IN from the wall of a bore.
+        calls = iter([*called, 1 << 62])  # the last one stands behind all blocks
         call = next(calls)
         for block, code, step in zip(
             motions.block.tolist(), motions.code.tolist(), way.tolist(), strict=True

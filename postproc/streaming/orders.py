@@ -135,7 +135,16 @@ def _jog(words: list[str]) -> bytes:
 
 class Order:
     """One order on one connection, to its end: done, with `status` as it is then, or `fault`. said:
-    the controller's words."""
+    the controller's words.
+
+        we       the controller
+        $J=...   ok                 the answer: it has the order (homing answers at its end alone)
+        ?        <Jog|...>          the first report may have been on its way before the answer, so
+                                    it is not counted
+        ?        <Jog|...>          it moves: wait
+        ?        <Idle|...>         at rest
+        ?        <Idle|...>         twice in a row: done
+    """
 
     def __init__(
         self,

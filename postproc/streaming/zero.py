@@ -51,6 +51,8 @@ def stopped(past: Past) -> str:
         return (
             "the job ended in an alarm, or the controller restarted in it: steps may have been lost"
         )
+    # GRBL, doc/markdown/interface.md, "Machine State": Hold:0 and Door:0 stand; Hold:1 and Door:2
+    # still brake, Door:3 goes on again, and Door:1 stands with the door open.
     still = past.state == "idle" or (past.state in ("hold", "door") and past.detail in ("", "0"))
     if past.outcome == ABORTED and not still:
         return "the job was stopped while the machine moved: steps may have been lost"
@@ -81,10 +83,12 @@ def found(past: Past, place: tuple[float, ...], near: float) -> tuple[int | None
     for index, places in way:
         width = min(len(here), *map(len, places))
         points = np.array([[np.nan if v is None else v for v in at[:width]] for at in places])
+        # An axis that the journal or the report leaves open is left out: 0 in both.
         unknown = np.isnan(points) | np.isnan(here[:width])
         points = np.where(unknown, 0.0, points)
         to = np.where(unknown.any(axis=0), 0.0, here[:width])
         points[:, unknown.any(axis=0)] = 0.0
+        # the last place twice: a way of one place has no leg, and one of length 0 will do
         _, off = nearest(np.vstack([points, points[-1:]]), to)
         if off <= near:
             return index, off

@@ -159,6 +159,7 @@ class FanucFrames(FrameControl):
         return rest
 
     def _hold(self) -> None:
+        # From the inside out: what a word says is mirrored or scaled first, then turned.
         total = scaling(dict.fromkeys(self.mirror, -1.0), point(self.mirror))
         for part in (self.scale, self.turn):
             total = part.after(total) if part else total

@@ -11,6 +11,14 @@ called. 251: Q218 by Q219, corners of Q220 (the tool's radius at least), turned 
 which place of the pocket that is; 252: Q223 across; 253: Q218 by Q219, turned by Q374, Q367 its
 middle, an end or the middle of an end. Q351 +1 is climb milling, -1 up-cut.
 
+    Q204  - - - - - - - - - - - - - - - - -      second clearance, where it begins and ends
+    Q200  - - - - - - v - - - - - - - - - -      set-up clearance above the surface
+    Q203  ========.   |              .=====      surface
+                  |   v______  Q202  |           each depth: rings from the middle out
+                  |   v______  Q202  | Q368      allowance at the wall
+                  |..................| Q369      allowance above the bottom
+    Q201          '------------------'
+
 Wall, bottom and sense are those of the manual. Inside: rings, closer than Q370 where their corners
 are sharp. The angle at which the tool plunges (Q366 1, on a helix, 2 to and fro) is in the tool
 table: here a slope of 3 degrees. Refused: no Q351, a spindle that does not turn by M3, a tool that
@@ -147,15 +155,8 @@ class _Cut:
 
     def _join(self, feed: bytes) -> None:
         """Once along the wall, joined and left on a quarter circle, and back to the middle."""
-        a, b = self.way.a, self.way.b
-        r = min(JOIN_MM / self.scene.unit, a / 2, b / 2)
-        if r > NEAR:
-            middle = a - r, 0.0
-            on = Piece(1, (a - r, -r), (a, 0.0), middle)
-            off = Piece(1, (a, 0.0), (a - r, r), middle)
-            self._around([on, *self.way.ring(), off], on.start, feed)
-        else:
-            self._around(self.way.ring(), self.way.start, feed)
+        pieces = self.way.joined(JOIN_MM / self.scene.unit)
+        self._around(pieces, pieces[0].start if pieces else self.way.start, feed)
         self._to((0.0, 0.0), feed)
 
     def end(self) -> list[bytes]:

@@ -70,6 +70,7 @@ class KlartextTurns(Before):
         work = {x: self.scene.work(x) for x in self.map.partners(axis)}
         if self.loose or any(value is None for value in work.values()):
             return None
+        # Not back from the written place, which was rounded: of I words the roundings would add up.
         programmed, written = self.exact
         if all(written.get(x) == self.scene.rounded(x, v or 0.0) for x, v in work.items()):
             return programmed[axis]
@@ -207,7 +208,7 @@ class KlartextTurns(Before):
         if MACHINE.search(body) or BUILDER.search(body):
             here.clear()
             return text
-        if (self.map.similarity("X", "Y") or 1.0) < 0:
+        if (self.map.similarity("X", "Y") or 1.0) < 0:  # in a mirror left of the way is right
             body = SIDE.sub(lambda m: b"R" + (b"R" if m[1] == b"L" else b"L"), body)
         words = [m for m in PLACE.finditer(body) if not self.map.leaves(m[2].decode())]
         if words:

@@ -9,6 +9,13 @@ Xp = Xs - N D, Zp = Za + W + (Zs - Za - W) (1 - N D / (Xs - Xa - U)), less Xa + 
 the infeed reaches Xa + U; the last one lies at U and W. Behind it Z goes back to the AP starting
 point, then X; M85 leaves that out (P-204).
 
+        X ^            .   start (Zs, Xs)      G86: every cut is the whole shape, moved towards the
+          |     _    _/                        start on the line between both; D is the depth along
+          |   _/   _/   shape of cut N         X, and Z goes along in proportion
+          |  /    /
+          |  shape at U, W (Za, Xa)
+          +----------------------> Z
+
 Assumed: the way back of a roughing and of a finishing is that of copying; each cut begins at the
 AP starting point's Z (G82: X); DA= and FA= of G84 hold from the first cut beyond XA= on. RELIEF
 stands for the optional parameter. Nose radius compensation in the shape holds along the whole

@@ -49,6 +49,21 @@ class Rounded:
         pieces.append(Piece(0, here, self.start))
         return [p for p in pieces if math.dist(p.start, p.end) > NEAR]
 
+    def joined(self, longest: float) -> list[Piece]:
+        """Once around from within, joined and left on quarter circles, so that the tool does not
+        stand still at the wall. longest: their radius, which is less where there is no room."""
+        #      (a - r, r) o.
+        #                   `o.  off
+        #         middle o     o (a, 0), on the wall
+        #                   .o'  on
+        #     (a - r, -r) o'
+        a, r = self.a, min(longest, self.a / 2, self.b / 2)
+        if r <= NEAR:
+            return self.ring()
+        middle, touch = (a - r, 0.0), (a, 0.0)
+        on, off = Piece(1, (a - r, -r), touch, middle), Piece(1, touch, (a - r, r), middle)
+        return [on, *self.ring(), off]
+
     def rings(self, step: float) -> list[Rounded]:
         """From inside out, no further apart than `step`; the last one is this. Raises ValueError
         where there are too many."""

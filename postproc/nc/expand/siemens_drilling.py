@@ -203,6 +203,11 @@ class Drilling(Cycle):
     def _pecks(self, inch: bool) -> Iterator[tuple[str, float]]:
         """Code and place of what CYCLE83 does behind the rapid to the level; "" and seconds for a
         dwell."""
+        #   VARI 1   level  --.   .--.   .--     out of the hole with the chips, and in rapid
+        #                     |   |  :   |       traverse back to `ahead` above what is drilled
+        #                     v---'  v   |
+        #                            |---'
+        #   VARI 0   back by VRT alone at the feed, which breaks the chips
         g, (level, bottom) = self.given, self._levels()
         up = 1.0 if g["RTP"] >= g["RFP"] else -1.0
         unit = 25.4 if inch else 1.0

@@ -16,6 +16,11 @@ direction", FDP1 "overrun on last cut as determined by the cutting edge geometry
   and in rapid traverse to the next. To and fro: over to the next at FFP1.
 - At the end to RTP.
 
+        FDP + R  :       LENG       : FDP + R
+      o----------:------------------:--------->    first: MIDA - R within the edge: MIDA wide
+      <----------:------------------:---------o    between: MIDA apart at most
+      o----------:------------------:--------->    last: FDP1 - R beyond the other edge
+
 Assumed: where the first and the last way lie within the edges; wherever they do, all of it is one
 plane, and is cut all over. Refused: G91, other planes, G41 and G42, MIDA wider than the tool.
 """

@@ -131,13 +131,7 @@ class _Cut(Ways):
 
     def _wall(self) -> None:
         """Once along the wall from the middle and back to it."""
-        a, b = self.way.a, self.way.b
-        r = min(JOIN_MM / (25.4 if self.tracker.inch else 1.0), a / 2, b / 2)
-        middle = a - r, 0.0
-        on = Piece(1, (a - r, -r), (a, 0.0), middle)
-        off = Piece(1, (a, 0.0), (a - r, r), middle)
-        around = self.way.ring() if r > NEAR else []
-        self.pieces([on, *around, off] if around else [])
+        self.pieces(self.way.joined(JOIN_MM / (25.4 if self.tracker.inch else 1.0)))
         self.to("G1", (0.0, 0.0), feed=self.plane)
 
     def _clear(self, rings: list[Rounded]) -> None:
@@ -166,6 +160,7 @@ class _Cut(Ways):
                 f"the helix of {p.name}, RAD1 {r:g} by DP1 {pitch:g}, does not fit",
                 "correct RAD1 and DP1",
             )
+        # Half a turn a block, DP1 at most in two of them, and once more around at the depth.
         self.to("G1", (r, 0.0), feed=self.plane)
         halves = 2 * math.ceil((high - z) / pitch - NEAR)
         for k in range(1, halves + 3):

@@ -12,6 +12,12 @@ order of the values as in MaTka's Sinumerik snippets (marketplace.visualstudio.c
 - CDIR 0 climb milling, 1 up-cut (with M3 with the clock and against it), 2 as G2, 3 as G3: as those
   of POCKET4.
 
+        .--<--.
+      .'       `.  .-->-.  off      on and off by half a circle each, between the start S, where it
+     (  spigot   W       S          goes down and up in the open, and W on the way around
+      `.       .'  `--<-'  on
+        `-->--'
+
 Assumed: the start lies 2 mm beside the blank, AP1 across, or, where none is stated, beside the way
 around. The control goes around once, whatever the blank. Refused: G91, other planes.
 """

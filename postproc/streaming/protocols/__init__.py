@@ -19,6 +19,13 @@ leave and which line an answer is for, so that windows (GRBL), numbers with chec
 (Marlin: send() frames and keeps the line, receive() answers a request with Write), primed lines
 with JSON footers (TinyG), and links without any answer, where the receiver says stop and go (DNC:
 release() is 0 after XOFF), all look alike to the sender.
+
+    sender                      protocol                                      wire
+    ready(text)                 is there room for it?
+    send(7, text)               keeps line 7, frames it                  ->   N7 G1 X5*98
+                                receive(data): whose answer is this?     <-   ok
+    Accepted(7): next line
+    patience(text) is over      overdue(): what may be said again        ->   N7 G1 X5*98
 """
 
 from __future__ import annotations
