@@ -6,13 +6,15 @@ long as it lies within c - B/2 .. c + B/2, and is taken along at the ends (the p
 commanded motion counts, take-ups and corrections included, in the order of execution. The share (c
 - slide) / (B/2), from -1 to +1, says how much of a table's difference between its directions acts.
 The side is the direction of the last commanded motion; a slide that goes back by no more than the
-hysteresis keeps it. Where an axis has no play of its own the share is the side. Follows the
-written program, leg by leg, and shares no code with what decided the take-ups.
+hysteresis keeps it. Where an axis has no play of its own the share is the side. Where forward lies
+beyond reverse the control takes up more than there is, with the first increment of the command, so
+there the last command says the side, however short. Follows the written program, leg by leg, and
+shares no code with what decided the take-ups.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,25 +32,29 @@ LEAST = 1e-7  # mm: a smaller play is none
 class Legs:
     """L stretches of motions along which no axis turns back: motion (L,), until t (L,) of it;
     begin, end (A, L) mm, nan where it is not known. anew (A, L): something else (G28) has taken the
-    slide to where the leg begins, and on which side it bears there is not known."""
+    slide to where the leg begins, and on which side it bears there is not known; curved (L,): of an
+    arc."""
 
     motion: np.ndarray
     until: np.ndarray
     begin: np.ndarray
     end: np.ndarray
     anew: np.ndarray
+    curved: np.ndarray
 
 
 @dataclass(frozen=True)
 class Led:
     """One batch as the slides lived it. Before each leg, (A, L): side, the farthest command `far`
-    mm in that direction, and slide mm, where it stood."""
+    mm in that direction, slide mm, where it stood, and `last`, the direction of the last command,
+    however short."""
 
     slides: Slides
     legs: Legs
     side: np.ndarray
     far: np.ndarray
     slide: np.ndarray
+    last: np.ndarray
 
     def leg(self, motion: np.ndarray, t: np.ndarray) -> np.ndarray:
         """(K,) the leg that t of a motion lies in; an end belongs to the leg that it ends."""
@@ -69,11 +75,17 @@ class Led:
         rapid: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
         """(A, K) side and (A, K) share at commands (A, K) mm, t of motions (K,). sense (A, K): the
-        direction of the nominal motion there, which says the side of an axis that it moves where no
-        take-up leads the command far enough to tell; of one whose lost motion builds up over some
-        travel the share says it;
-        rapid (K,): there an axis that rests keeps the side that it had, for nothing is cut."""
-        leg, half = self.leg(motion, t), self.half(command)
+        direction of the nominal motion there, which says the side of an axis whose command goes
+        that way where no take-up leads it far enough to tell; of one whose lost motion builds up
+        over some travel the share says it; rapid (K,): there an axis that rests keeps the side that
+        it had, for nothing is cut."""
+        leg, half, beyond = self.leg(motion, t), self.half(command), self.slides.beyond(command)
+        own = self.way(leg)
+        way = np.where(own != 0, own, self.last[:, leg])
+        # where an arc begins and ends it turns a little beside the nominal one
+        curved = self.legs.curved[leg]
+        beyond &= ~rapid & ~(curved & (sense[self.slides.rows] != 0))
+        agrees = (own * sense > 0) | ((curved | rapid) & (sense != 0))
         side, share = np.zeros(command.shape), np.zeros(command.shape)
         for k, row in enumerate(self.slides.rows):
             before, off = self.side[row, leg], command[row] - self.far[row, leg]
@@ -81,7 +93,8 @@ class Led:
             turned &= (off * before < 0) | (before == 0)
             below_hysteresis = 2 * half[k] <= self.slides.hysteresis
             rests = np.where(turned & ~(rapid & below_hysteresis), np.sign(off), before)
-            side[row] = np.where(below_hysteresis & (sense[row] != 0), sense[row], rests)
+            side[row] = np.where(below_hysteresis & agrees[row], sense[row], rests)
+            side[row] = np.where(beyond[k], way[row], side[row])
             low, high = command[row] - half[k], command[row] + half[k]
             slide = np.minimum(np.maximum(self.slide[row, leg], low), high)
             part = (command[row] - slide) / np.maximum(half[k], LEAST)
@@ -121,6 +134,13 @@ class Slides:
         play = np.maximum(self.machine.lost_motion(np.nan_to_num(position), self.rows), 0.0)
         return (play + np.array(self.more)[:, None]) / 2
 
+    def beyond(self, position: np.ndarray) -> np.ndarray:
+        """(R, N) bool: two-way axes of which forward lies beyond reverse there by more than the
+        hysteresis."""
+        play = self.machine.lost_motion(np.nan_to_num(position), self.rows)
+        beyond: np.ndarray = play < -self.hysteresis
+        return beyond
+
     def has_play(self, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
         """(P,) bool: pieces, from begin to end (A, P) ticks, that move no two-way axis without play
         of its own: where forward lies beyond reverse nothing says on which side a take-up leaves it
@@ -132,7 +152,7 @@ class Slides:
     def run(self, motions: Motions) -> Led:
         """Follow a batch."""
         legs = _of_slides(self.machine, motions, _legs(motions))
-        lived = np.full((3, *legs.end.shape), np.nan)
+        lived = np.full((4, *legs.end.shape), np.nan)
         half = self.half(legs.end)
         for k, row in enumerate(self.rows):
             columns = (
@@ -150,17 +170,21 @@ class _Slide:
     def __init__(self, band: float):
         self.band = band
         self.place = self.far = float("nan")
-        self.side = 0.0
+        self.side = self.last = 0.0
 
-    def move(self, begin: float, end: float, half: float, anew: bool) -> tuple[float, float, float]:
+    def move(
+        self, begin: float, end: float, half: float, anew: bool
+    ) -> tuple[float, float, float, float]:
         """Command from begin to end, mm, with half the play; anew: taken to begin by something
-        else. Side, far and place before it."""
+        else. Side, far, place and direction of the last command before it."""
         if begin != begin or end != end:  # from or to an unknown place
-            self.place, self.far, self.side = end, end, 0.0
-            return 0.0, end, end
+            self.place, self.far, self.side, self.last = end, end, 0.0, 0.0
+            return 0.0, end, end, 0.0
         if anew or self.place != self.place:
-            self.place, self.far, self.side = begin, begin, 0.0
-        before = self.side, self.far, self.place
+            self.place, self.far, self.side, self.last = begin, begin, 0.0, 0.0
+        before = self.side, self.far, self.place, self.last
+        if begin != end:
+            self.last = 1.0 if end > begin else -1.0
         self.place = min(max(self.place, end - half), end + half)
         ahead = (end - self.far) * self.side
         if ahead < -self.band or (self.side == 0.0 and abs(end - self.far) > self.band):
@@ -186,7 +210,7 @@ def _of_slides(machine: Machine, m: Motions, legs: Legs) -> Legs:
             slides = poses.out_of(machine, space, length, places[:, known])
             # a slide that stays has not moved by the last digit of a sum
             places[:, known] = np.round(slides, 9)
-    return Legs(legs.motion, legs.until, begin, end, legs.anew)
+    return replace(legs, begin=begin, end=end)
 
 
 def _legs(m: Motions) -> Legs:
@@ -216,4 +240,5 @@ def _legs(m: Motions) -> Legs:
     begin = np.concatenate([np.full((len(ends), 1), np.nan), ends[:, :-1]], axis=1)
     first = np.concatenate([[True], motion[1:] != motion[:-1]])
     begin[:, first] = start[:, motion[first]]
-    return Legs(motion, until, begin, ends, m.sent[:, motion] & first)
+    curved = np.isin(motion, arcs.motion)
+    return Legs(motion, until, begin, ends, m.sent[:, motion] & first, curved)

@@ -23,6 +23,7 @@ from postproc.machine.tip import TipMachine
 from postproc.nc import dialects
 from postproc.units import TICKS_PER_MM, UM
 from postproc.verify import Verifier
+from tests.small_machines import write_lagging
 
 ROOT = Path(__file__).resolve().parents[1]
 TICKS_PER_UM = round(TICKS_PER_MM * UM)
@@ -383,3 +384,65 @@ def test_an_arc_of_several_turns_turns_back_in_each(tmp_path, turns, way):
     m = machine(tmp_path / "m", backlash("X", 6.0) + backlash("Y", 6.0))
     _, verifier = corrected(m, f"G0 X0 Y0 Z0\nG1 X20 F500\n{way} {turns}\nG1 X60\nM2\n", 3)
     assert verifier.passed and verifier.corrected.slide < 1.5 * UM
+
+
+TAKEN_BACK = "G1 Z30 X80.6803 F100\nG0 X150.8988\nX169.86 G1 Z168.404 F250\nX138.0329 Z162.4977\n"
+
+
+@pytest.mark.parametrize("fed", [[TAKEN_BACK], TAKEN_BACK.splitlines(keepends=True)])
+def test_a_slide_that_another_one_takes_back_is_led_beyond_and_back(tmp_path, fed):
+    """Z turns where the third block begins, and its straightness takes X back by 3.9 um, which goes
+    on: X is led over its play of 9.7 um and back (3.8 um were left there, and faded along it)."""
+    m = read_machine(write_lagging(ROOT / "machines" / "studer-s36", tmp_path / "m"))
+    filter_ = Filter(m, dialects.load("fanuc-lathe"), setup_of(m))
+    verifier = Verifier(filter_)
+    out = b"".join([filter_.feed(text.encode()) for text in fed] + [filter_.finish()]).decode()
+    assert "\nX150.8784 G1 Z29.9990 F250\nX150.8979\nX155." in out
+    assert verifier.passed and verifier.corrected.slide < 1.0 * UM
+
+
+def on_lathe(m, text: str) -> tuple[str, Verifier]:
+    """What comes out on a lathe, and the verifier."""
+    filter_ = Filter(m, dialects.load("fanuc-lathe"), setup_of(m))
+    verifier = Verifier(filter_)
+    return (filter_.feed(text.encode()) + filter_.finish()).decode(), verifier
+
+
+def test_an_axis_that_moves_on_waits_for_its_place_instead_of_going_back():
+    """Z turns, and takes X back by 2.5 um, which goes on: moved back it would say its other side.
+    It waits along 7 um of the way (the 2.5 um faded along 1.7 mm)."""
+    m = read_machine(ROOT / "machines" / "studer-s36")
+    program = "G0 X316.5 Z14.\nG1 X316.5523 Z39.6929 F100\nG0 Z39.6907\nG1 X339. Z50.7566\nM2\n"
+    out, verifier = on_lathe(m, program)
+    assert "\nG1 X316.5138 Z39.6414\nZ39.6449\nX320.0000" in out
+    assert verifier.passed
+
+
+def test_a_slide_is_led_over_its_play_only_where_it_would_be_beside_its_way(tmp_path):
+    """X turns, and takes Y back by 6 um, which goes on: that is beside the way where the block goes
+    along X, and on it where the block goes along Y."""
+    two_way = "X_mm,EXX_um_fwd,EXX_um_rev,EYX_um_fwd,EYX_um_rev\n-400,0,9,0,6\n400,0,9,0,6\n"
+    m = machine(tmp_path / "m", backlash("Y", 9), X=two_way)
+    turns = "G0 X0 Y0 Z0\nG1 X9 Y20 F500\n{}\nM2\n"
+    beside, verifier = corrected(m, turns.format("X-11 Y20.01"))
+    assert [block.get("Y") for block in beside[2:]] == [20.0045, 19.9895, 19.9985, 20.0085]
+    assert verifier.corrected.slide < 0.5 * UM
+    assert [block.get("Y") for block in corrected(m, turns.format("X8.99 Y40"))[0][3:]] == [
+        20.0045,
+        39.9985,
+    ]
+
+
+def test_no_axis_is_led_beyond_its_travel(tmp_path):
+    """X, of which forward lies 11 um beyond reverse, rests 1 um before the end of its travel, and
+    Y's straightness turns it back: led by 2.1 um it would say its side."""
+    rising = "Y_mm,EXY_um\n-400,-80\n400,80\n"
+    beyond = "X_mm,EXX_um_fwd,EXX_um_rev\n-500,12,1\n500,12,1\n"
+    machine(tmp_path / "m", "", X=beyond, Y=rising)
+    text = (tmp_path / "m" / "machine.toml").read_text()
+    ended = text.replace("[axes.X]\ntravel = [-10000.0, 10000.0]", "[axes.X]\ntravel = [-500, 500]")
+    (tmp_path / "m" / "machine.toml").write_text(ended)
+    m = read_machine(tmp_path / "m")
+    for place, led in ((499.0, 499.0011), (500.0, 499.999)):
+        blocks, _ = corrected(m, f"G0 X0 Y0 Z0\nG1 X{place} F500\nY100\nM2\n")
+        assert max(block.get("X", 0.0) for block in blocks) == led

@@ -228,15 +228,53 @@ def test_at_its_end_an_arc_has_the_direction_in_which_it_came():
     assert side.tolist() == [[1.0] * 3] * 2 and contour.approach.tolist() == [1.0, 1.0]
 
 
-def test_where_forward_lies_beyond_reverse_a_turn_in_a_block_is_let_pass_and_said():
-    """X of the S-36 goes back by 0.6 um, and the sides lie up to 9.8 um apart the other way round:
-    no motion takes that up (8.6 um were called an error of gcomp)."""
+@pytest.mark.parametrize(
+    "program",
+    [
+        # X goes back by 0.6 um, which says no side (8.6 um were left)
+        "G0 X260. Z390.27\nG1 X259.9988 Z180. F100\n",
+        # it goes on by 0.05 um, and its command back by 1 um (9.9 um)
+        "G0 X117.126 Z311.4139\nG1 X117.1261 Z368.9353 F100\n",
+        # the command of the rapid goes back by 2 um where Z goes on (4.7 um)
+        "G0 X33.378 Z335.3929\nG1 Z335.805 F100\nG0 Z212.7734\nG1 Z212.7739\n"
+        "G0 X31.6171 Z212.7754\nG1 X45.9351 Z212.7761\n",
+    ],
+)
+def test_where_forward_lies_beyond_reverse_a_feed_begins_on_its_side(program):
+    """On the S-36 the sides of X lie up to 9.8 um apart the other way round: it is led beyond the
+    place where a block begins, and back, where the block does not say the side by itself."""
     m = places.load(str(ROOT / "machines" / "studer-s36"))
     dialect = dialects.load(m.control)
     m = m.carrying(dialect.carried)
-    filter_ = Filter(m, dialect, setup_of(m, {"G54": {}}, dict.fromkeys("XZ", 0.0)))
+    filter_ = Filter(m, dialect, setup_of(m, {"G54": {}}))
     verifier = Verifier(filter_)
-    filter_.feed(b"G21 G90\nG0 X260. Z390.27\nG1 X259.9988 Z180. F100\nM2\n")
+    filter_.feed(b"G21 G90\n" + program.encode() + b"M2\n")
+    filter_.finish()
+    assert verifier.passed and verifier.corrected.deviation < 1.0 * UM, verifier.report()
+
+
+def test_where_forward_lies_beyond_reverse_a_turn_in_a_rapid_is_let_pass_and_said():
+    """X of the S-36 goes back by 0.15 um, and the sides lie 9.8 um apart the other way round: no
+    motion takes that up in a rapid."""
+    m = places.load(str(ROOT / "machines" / "studer-s36"))
+    filter_ = Filter(m, dialects.load(m.control), setup_of(m, {"G54": {}}))
+    verifier = Verifier(filter_)
+    filter_.feed(b"G21 G90\nG0 X160. Z313.2\nG1 X160.0021 Z313.2004 F100\nG0 X160.0018\nM2\n")
     filter_.finish()
     assert verifier.passed and verifier.corrected.deviation > verifier.allowed
     assert "let pass, where slides turn back" in verifier.report()
+
+
+def test_where_forward_lies_beyond_reverse_the_last_command_says_the_side():
+    """X is led beyond, and back to its place; 0.2 um forward again, and it stands 10 um away."""
+    m = places.load(str(ROOT / "machines" / "studer-s36"))
+    filter_ = Filter(m, dialects.load(m.control), setup_of(m, {"G54": {}}))
+    verifier, old = Verifier(filter_), b"Z140.0002"
+
+    def damaged(words, motions, pieces, output, line):
+        verifier.check(words, motions, pieces, output.replace(old, old + b" X60.0025"), line)
+
+    filter_.watchers[:] = [damaged]
+    filter_.feed(b"G21 G90\nG0 X40. Z100.\nG1 X60. F100\nZ140.\nM2\n")
+    filter_.finish()
+    assert 9 * UM < verifier.corrected.deviation < 11 * UM, verifier.report()

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from postproc.compensate import cutter, levels, sides, turning
-from postproc.compensate.approach import hold_last, last_way, resting
+from postproc.compensate.approach import resting
 from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.columns import Columns
 from postproc.compensate.increments import increments, rounded
@@ -122,7 +122,7 @@ class Batch(Columns):
         """`weight_begin`, `weight_end` (A, S): sides of approach, -1 to +1, and `exact` (A, S) mm:
         the command of each stroke's end, as if nothing were held still. `sides`: what the next
         batch must know."""
-        self.twice = np.zeros(self.travel.shape, bool)
+        self.twice, self.against = np.zeros(self.travel.shape, bool), np.zeros_like(self.travel)
         if self.tip and self.c.follows:
             self.weight_end, self.sides = sides.of_slides(self)
         elif self.c.mode in ("step", "ramp"):
@@ -199,19 +199,10 @@ class Batch(Columns):
 
     @cached_property
     def flipped(self) -> np.ndarray:
-        """(A, S) bool: two-way axes that bear otherwise where a stroke begins than behind the one
-        before."""
-        first = self.carry.sides.side.astype(float)
-        if self.c.ramped:
-            ramped = self.c.reach > 0
-            first[ramped] = self.carry.sides.taken[ramped] / self.c.reach[ramped]
-        before = np.empty(self.weight_end.shape)
-        before[:, 0], before[:, 1:] = first, self.weight_end[:, :-1]
-        flipped = before != self.weight_begin
-        if len(self.c.two_way) < len(before):
-            flipped &= self.machine.two_way[:, None]
-        either: np.ndarray = flipped | self.twice
-        return either
+        """(A, S) bool: two-way axes that bear otherwise where a stroke begins, or along it, than
+        behind the one before."""
+        flipped: np.ndarray = self.turned | self.twice
+        return flipped
 
     def starts(self) -> None:
         """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start
@@ -283,9 +274,12 @@ class Batch(Columns):
                 self.begin[row, taken] = self.wanted[row, taken]
 
     def _taken_up(self, row: int, before: np.ndarray) -> np.ndarray:
-        """(S,) bool: strokes that an axis must begin elsewhere than `before` (S,)."""
+        """(S,) bool: strokes that an axis must begin elsewhere than `before` (S,): one of which
+        forward lies beyond reverse goes back too if it hardly moves."""
         off = self.wanted[row] - before
-        back = self.bound[row] & (off * self.weight_begin[row] < 0)
+        along = np.abs(off) > self.c.band[row]
+        along &= self.c.overshoots[row] & (np.abs(self.travel[row]) <= self.c.band[row])
+        back = self.bound[row] & ~along & (off * self.weight_begin[row] < 0)
         far: np.ndarray = self.turning & (np.abs(off) > self.c.chord * TICKS_PER_MM) & ~back
         return far
 
@@ -336,44 +330,6 @@ class Batch(Columns):
                     here = own
             value.append(here)
         return np.array(value, np.int64)
-
-    def lead_beyond(self) -> None:
-        """`beyond` (A, S) ticks: where axes are led before a stroke is begun, `begin` where not. An
-        axis that turns twice where a stroke begins is led over its play first. A map that has
-        forward beyond reverse holds for the direction of the last command, which its take-up has
-        contrary to the side. `way` (A,): of the last command, for the next batch."""
-        rows = self.c.followed
-        self.beyond, self.way = self.begin, self.carry.way
-        if not len(rows):
-            return
-        cutting = self.cutting & self.known_before
-        sides = np.zeros((len(rows), self.end.shape[1]), np.int64)
-        rests = self.travel.take(rows, axis=0) == 0
-        at = (rests & cutting).any(axis=0).nonzero()[0] if any_of(rests) else ()
-        if len(at):
-            play = self.machine.lost_motion(self.begin.take(at, axis=1) / TICKS_PER_MM, rows)
-            beyond = rests.take(at, axis=1) & (play < -self.c.chord)
-            if any_of(beyond):
-                sides[:, at] = np.where(beyond, self.weight_begin[rows[:, None], at], 0)
-        twice = self.twice.take(rows, axis=0) & cutting
-        first, then = self.begin - self.before, self.end - self.begin
-        ways = first.take(rows, axis=0), then.take(rows, axis=0)
-        self.way = self.carry.way.copy()
-        if not (np.count_nonzero(sides) or np.count_nonzero(twice)):
-            self.way[rows] = last_way(*ways, self.way[rows])
-            return
-        course = np.stack((np.sign(ways[0]), sides, np.sign(ways[1])), 2).reshape(len(rows), -1)
-        course = hold_last(course, course != 0, self.way[rows])
-        out = ((sides != 0) & (course[:, ::3] != sides)) | twice
-        self.way[rows] = course[:, -1]
-        if out.any():
-            play = self.machine.lost_motion(self.begin / TICKS_PER_MM, rows)
-            step = self.m.grid[rows].take(self.motion, axis=1)
-            far = np.maximum(2 * self.c.hysteresis, play) * TICKS_PER_MM / step
-            over = (np.ceil(far).astype(np.int64) + 1) * step
-            led = self.begin[rows] - (self.weight_begin[rows] * over).astype(np.int64)
-            self.beyond = self.begin.copy()
-            self.beyond[rows] = np.where(out, led, self.beyond[rows])
 
     def _nominal_begin(self, row: int) -> np.ndarray:
         inside: np.ndarray = np.rint(self.begin_nominal[row] * TICKS_PER_MM).astype(np.int64)

@@ -48,6 +48,13 @@ class Columns:
     correctable: np.ndarray
     left: np.ndarray
     twice: np.ndarray
+    against: np.ndarray
+    turning: np.ndarray
+    wanted: np.ndarray
+    before: np.ndarray
+    begin: np.ndarray
+    beyond: np.ndarray
+    way: np.ndarray
     weight_begin: np.ndarray
     weight_end: np.ndarray
     sides: Sides
@@ -106,6 +113,21 @@ class Columns:
         self.arc_of[motions.arcs.motion] = np.arange(len(motions.arcs))
         self.motion, self.t0 = np.arange(len(motions)), np.zeros(len(motions))
         self.t1 = np.ones(len(motions))
+
+    @cached_property
+    def turned(self) -> np.ndarray:
+        """(A, S) bool: two-way axes that bear otherwise along a stroke than behind the one
+        before."""
+        first = self.carry.sides.side.astype(float)
+        if self.c.ramped:
+            ramped = self.c.reach > 0
+            first[ramped] = self.carry.sides.taken[ramped] / self.c.reach[ramped]
+        before = np.empty(self.weight_end.shape)
+        before[:, 0], before[:, 1:] = first, self.weight_end[:, :-1]
+        turned: np.ndarray = before != self.weight_begin
+        if len(self.c.two_way) < len(before):
+            turned &= self.machine.two_way[:, None]
+        return turned
 
     @cached_property
     def arc_start(self) -> np.ndarray:

@@ -13,7 +13,17 @@ from itertools import pairwise
 
 import numpy as np
 
-from postproc.compensate import approach, cut, cutter, holes, levels, limits, splines, threads
+from postproc.compensate import (
+    approach,
+    cut,
+    cutter,
+    holes,
+    leading,
+    levels,
+    limits,
+    splines,
+    threads,
+)
 from postproc.compensate.batch import Batch, written_centre
 from postproc.compensate.known import known
 from postproc.compensate.settings import Carry, Options, Settings
@@ -259,12 +269,12 @@ EVERY: tuple[Callable[[Batch], None], ...] = (
     limits.refuse, limits.refuse_turning_arcs, limits.check_unknown, limits.check_pole,
     cutter.tell, Batch.strokes, limits.check_inside, limits.check_poses, Batch.approach,
     Batch.ends, holes.settle, Batch.starts, Batch.settle_ends, _tell_held,
-    Batch.spread_reversals, Batch.lead_beyond, limits.check_ended_poses, threads.say,
+    Batch.spread_reversals, leading.lead_beyond, limits.check_ended_poses, threads.say,
     limits.tell_orientation, limits.tell_play,
 )  # fmt: skip
 OF_LINES = (
     Batch.strokes, limits.check_inside, Batch.approach, Batch.ends, Batch.starts,
-    Batch.settle_ends, Batch.lead_beyond,
+    Batch.settle_ends, leading.lead_beyond,
 )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.compensate import cutter, fit, nodes, uncut
+from postproc.compensate import cutter, fit, leading, nodes, uncut
 from postproc.compensate.arc_rows import Fitter, Rows
 from postproc.compensate.arcs import points
 from postproc.compensate.batch import Batch, written_centre
@@ -152,7 +152,7 @@ def _may_be_cut(b: Batch, straight: np.ndarray) -> np.ndarray:
     chosen: np.ndarray = straight[may]
     if b.c.ramped or not len(chosen):
         return chosen
-    chosen = chosen[b.may_bend(chosen, b.c.slack)]
+    chosen = chosen[b.may_bend(chosen, b.c.slack) | (leading.waiting(b, chosen) > 0).any(axis=0)]
     return chosen[~uncut.proven(b, chosen)] if len(chosen) else chosen
 
 
@@ -178,7 +178,7 @@ def _cuts(b: Batch, chosen: np.ndarray) -> Cuts:
     start, target = b.begin_nominal.take(chosen, axis=1), b.end_nominal.take(chosen, axis=1)
     beside = cutter.centre(b, chosen, np.ones(len(chosen))) if b.reads_beside else 0.0
     owner, t, axis = nodes.candidates(b.machine, start + beside, target + beside, b.c.slack)
-    for more, at in _ramp_ends(b, chosen):
+    for more, at in (*_ramp_ends(b, chosen), *_waited(b, chosen)):
         owner = np.concatenate([owner, more])
         t = np.concatenate([t, at])
         axis = np.concatenate([axis, np.full(len(at), -1)])
@@ -289,6 +289,16 @@ def _ramp_ends(b: Batch, chosen: np.ndarray) -> list[tuple[np.ndarray, np.ndarra
             t = (np.sign(way) - b.weight_begin[row, chosen]) / way
         inside = ((t > 0) & (t < 1)).nonzero()[0]
         result.append((inside, t[inside]))
+    return result
+
+
+def _waited(b: Batch, chosen: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Where axes have waited that began ahead of their places: from there on they go along."""
+    share = leading.waiting(b, chosen)
+    result = []
+    for row in b.c.followed:
+        inside = ((share[row] > 0) & (share[row] < 1)).nonzero()[0]
+        result.append((inside, share[row, inside]))
     return result
 
 

@@ -34,8 +34,9 @@ class Course:
     """How the two-way axes (T of them) of one batch are led: which strokes say their side by
     themselves, and which leave an axis where it is. `side` and `middle` (T, S) of approach.py;
     `exact` (A, S) mm, commands for these sides; `behind` (T, S) ticks, by how much a slide is held
-    beside its wanted place because it has not turned by the hysteresis; `twice` (T, S): it turns
-    one way where the stroke begins, since another axis changes its side, and back along it."""
+    beside its wanted place because it has not turned by the hysteresis; `twice` (T, S): it bears
+    otherwise where the stroke begins than along it; `against` (T, S) ticks: by how much it is taken
+    back there against the way along it, since another axis changes its side."""
 
     begin: np.ndarray
     end: np.ndarray
@@ -211,7 +212,7 @@ class Course:
     def bear(self) -> tuple[np.ndarray, np.ndarray]:
         """(T, S) side and state behind each stroke, of wanted places at begins and ends."""
         begin, end = self.begin, self.end
-        self.twice = np.zeros(end.shape, bool)
+        self.twice, self.against = np.zeros(end.shape, bool), np.zeros_like(end)
         anew = any_of(self.anew)
         if not (anew or any_of(begin != NOWHERE)):
             return bear(end, self.band, self.sense, self.given, self.stays, self.carry)
@@ -226,8 +227,13 @@ class Course:
         )
         stays |= np.repeat(self.stays, n, axis=1)
         side, middle = bear(place, self.band, sense, given, stays, self.carry)
-        self.twice = (side[:, n - 2 :: n] != side[:, n - 1 :: n]) & (begin != NOWHERE) & ~self.given
-        return side[:, n - 1 :: n], middle[:, n - 1 :: n]
+        led, there = side[:, n - 1 :: n], middle[:, n - 2 :: n]
+        before = middle[:, ::n] if anew else self.before(middle[:, 1::2], self.carry.middle)
+        own = (begin != NOWHERE) & ~self.given
+        self.twice = (side[:, n - 2 :: n] != led) & own
+        off = there - before
+        self.against = np.where(own & (off * led < 0), off, 0)
+        return led, middle[:, n - 1 :: n]
 
     def settle(self) -> None:
         """Decide side, middle, exact and behind: first all strokes as the nominal motion leads
@@ -355,11 +361,13 @@ def follow(b: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
         nominal = b.end_nominal.take(which, axis=1)
         exact[:, which] = commands(b, which, b.t1[which], nominal, end.take(which, axis=1))
         course.exact = exact
-    exact, b.twice = course.exact, np.zeros(side.shape, bool)
+    exact = course.exact
+    b.twice, b.against = np.zeros(side.shape, bool), np.zeros_like(b.travel)
     # Where nothing was corrected before, the way to the first corrected place turns an axis too
     # that the stroke moves.
-    if any_of(course.twice):
-        b.twice[course.rows] = course.twice & ((course.travel == 0) | ~b.sure)
+    alone = course.twice & ((course.travel == 0) | ~b.sure)
+    b.against[course.rows] = np.where(alone, 0, course.against)
+    b.twice[course.rows] = alone | (course.against != 0)
     if np.count_nonzero(course.behind):
         holds = (b.c.reach[course.rows] == 0)[:, None] & b.moved
         exact[course.rows] += np.where(holds, course.behind, 0) / TICKS_PER_MM
