@@ -22,7 +22,7 @@ from postproc.compensate.cutter import commands
 from postproc.compensate.depths import axis_of, down
 from postproc.flags import all_of, any_of
 from postproc.machine.tip import TipMachine
-from postproc.motions import RAPID
+from postproc.motions import RAPID, THREAD
 from postproc.records import replace
 from postproc.units import TICKS_PER_MM, in_ticks
 
@@ -73,6 +73,10 @@ class Course:
         # which no rapid does.
         if any_of(b.c.overshoots):
             stays = stays | (b.travel == 0) & (b.code == RAPID) & b.c.overshoots[:, None]
+        # Before a thread nothing is put in: it takes along what rests as it is.
+        thread = b.code == THREAD
+        if any_of(thread):
+            stays = stays | (b.travel == 0) & thread
         self.stays = stays.take(self.rows, axis=0) & ~self.given
         self.ramped, self.given = self.given, self.given & ~self.anew
 
