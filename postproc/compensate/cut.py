@@ -152,7 +152,10 @@ def _may_be_cut(b: Batch, straight: np.ndarray) -> np.ndarray:
     chosen: np.ndarray = straight[may]
     if b.c.ramped or not len(chosen):
         return chosen
-    chosen = chosen[b.may_bend(chosen, b.c.slack) | (leading.waiting(b, chosen) > 0).any(axis=0)]
+    bends = b.may_bend(chosen, b.c.slack)
+    if len(b.c.followed):
+        bends = bends | (leading.waiting(b, chosen) > 0).any(axis=0)
+    chosen = chosen[bends]
     return chosen[~uncut.proven(b, chosen)] if len(chosen) else chosen
 
 
