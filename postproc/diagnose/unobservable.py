@@ -39,8 +39,9 @@ def spots(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
                 continue
             if name == "abbe" and _on_one_line(rows, axis) and axis not in unread:
                 why = (
-                    f"all readings along {axis} stand on one line: a rotation of {axis} that the"
-                    " machine's file lacks looks like an error of its position there"
+                    f"no readings at rest along {axis} on two lines that lie apart: a rotation of"
+                    f" {axis} that the machine's file lacks is not told from an error of its"
+                    " position"
                 )
                 result.append((name, axis, why))
                 continue
@@ -90,7 +91,8 @@ def _even(rows: Rows, axis: str) -> float:
 
 
 def _on_one_line(rows: Rows, axis: str) -> bool:
-    """Whether the tool's way along an axis was read, and nowhere on two lines that lie apart."""
+    """Whether the tool's way along an axis was read, and nowhere at rest on two lines that lie
+    apart."""
     along = np.isin(rows.sees, ("laser", "tool")) & (
         np.abs(rows.direction[:, XYZ.index(axis)]) > ENTERS
     )

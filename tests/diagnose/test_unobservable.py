@@ -68,4 +68,4 @@ def test_targets_on_one_line_hide_a_rotation_that_the_file_lacks(tmp_path, lines
     along = [s for s in told if s["axis"] == "Z"]
     assert bool(along) == (lines == 1)
     if along:
-        assert "one line" in along[0]["why"] and "arms:Z" in along[0]["next_test"]
+        assert "on two lines" in along[0]["why"] and "arms:Z" in along[0]["next_test"]
