@@ -26,6 +26,7 @@ from .machine import UNIT
 from .motion import GOLDEN, Motion, Slide
 
 BEHIND = 1e-4  # mm, what a short piece behind the end of a motion is taken to be farther off
+CAME = 2e-3  # mm from the end of a motion, where a piece came to it
 KINDS = {"rapid": ("rapid",), "feed": ("feed",), "arc": ("arc", "feed"), "machine": ("machine",)}
 
 
@@ -309,13 +310,16 @@ def check_lengths(motion, pieces, judge):
 
 def feed_changes(motion, pieces, judge):
     """(nominal line, output line, nominal feed, output feed) where a cutting piece has another
+    feed. What is short behind a piece that came to the end leads to the next motion, at its
     feed."""
     if motion.block.kind not in ("feed", "arc"):
         return []
+    misses = [(b, judge.end_miss(motion, b)) for b in pieces if b.known]
+    last = next((b for b, miss in misses if miss is not None and miss < CAME), pieces[-1])
     cutting = [
         b
         for b in pieces
-        if len(pieces) == 1 or not b.known or b.length > judge.take_up or b is pieces[-1]
+        if len(pieces) == 1 or not b.known or b.length > judge.take_up or b is last
     ]
     wanted = (motion.block.feed_mode, motion.block.feed)
     if (
