@@ -90,7 +90,7 @@ class Show:
             "held": sender.held,
             "asks": len(sender.asks),
             **self._likely(status),
-            "elapsed_s": round(now - (now if self._started is None else self._started), 1),
+            "elapsed_s": round(now - (now if self._started is None else self._started), 2),
         }
         if status:
             result.update(self._of_report(status))
