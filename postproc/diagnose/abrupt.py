@@ -35,8 +35,10 @@ def borne_out(sets: Sets, state: Found, k: int) -> bool:
     sizes = sets.value(state.fit, k)
     for column, size in zip(columns.T, sizes, strict=True):
         times, sure = _step(sets, left + column * size, column, said["noise"])
+        # A drift has a step of its own size over a whole run and hardly any between two neighbours.
         if not (sure > SHOWN and LEAST < times / size < MOST):
             return False
+    # coefficients of a jump are um (columns of 1 um), what is left is mm
     least = COMPARABLE * 1e-3 * float(np.abs(sizes).min())
     shape = dict(sets.blocks[k].shape)
     moments = [shape[name] for name in MOMENTS if name in shape]
@@ -54,6 +56,8 @@ def _step(
         window = own[max(0, at - WINDOW) : at + WINDOW]
         if not sigma[window].all():  # readings that take no part
             continue
+        #     WINDOW before | WINDOW behind
+        # About its mean: a zero of the window is no part of the step.
         x = column[window] - column[window].mean()
         weight = 1.0 / float(np.mean(sigma[window])) ** 2
         along += weight * float(x @ left[window])

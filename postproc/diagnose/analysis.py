@@ -107,8 +107,12 @@ def diagnose(
     state = causes.leaning(search, state, machine)
     options.progress("showing")
     found = [findings.of_member(search, state, k) for k in state.members]
+    # Anew, from what is usual: what a search carried from set to set depends on its way there.
     last = evidence.learn(state.fit.chosen, None, state.fit.on, STEPS)
     said = shares(evidence, last)
+    # Without a name wander would grow to say what the names say: it stays as it usually is
+    # (steps=0), and the map's error is the same on both sides, so that before and after differ by
+    # the names.
     alone = shares(evidence, evidence.learn((), None, steps=0)) | {"map": said["map"]}
     before, after = evidence.y - _fixed(alone), evidence.y - _fixed(said) - said["effects"]
     if held.any() and train.all():

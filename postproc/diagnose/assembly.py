@@ -64,6 +64,8 @@ def _joined(
     channels = sorted(
         {name.removeprefix("channel ") for p in parts for name in p if name.startswith("channel ")}
     )
+    # What a signal has no column of counts as "never": FAR since a turn, so that what a turn sets
+    # off has faded; a channel NaN, which `_filled` takes up.
     state = State(
         position=position,
         approach=approach,
@@ -83,6 +85,8 @@ def _joined(
         inside=_inside(parts, letters),
         slipped={x: column(f"{x} slipped", np.nan) for x in slips},
     )
+    # In steps, for each looks at the state before it: channels go by the times, ways by sides and
+    # distances, angles by the places.
     state = replace(
         state, channels={c: _filled(c, state) for c in channels}, path=_paths(parts, state)
     )
@@ -136,6 +140,10 @@ def _inside(parts: list[Columns], letters: list[str]) -> dict[str, np.ndarray]:
         columns = []
         for p in parts:
             one = np.full((most, len(p["y"])), np.nan)
+            #          rows of a part   rows of samples
+            #     [0]  its own place    x0                 W: the most samples that any row has
+            #     [1]  nan              x1
+            #     ...  nan              nan                this row has two
             one[0] = p.get("time" if name == "time" else f"{name} position", 0.0)
             own = p.get("inside", {}).get(name)
             if own is not None:
@@ -229,10 +237,13 @@ def _recorded(parts: list[Columns], letter: str, state: State) -> np.ndarray | N
             own = p[f"{letter} approach"] == side
             own = own if own.any() else np.ones(len(place), bool)
             at, group = np.unique(np.round(place[own], 3), return_inverse=True)
+            # A reading about -X is that about X with the other sign: direction is +-1 there.
             value = np.bincount(group, p["y"][own] * p["direction"][own, k]) / np.bincount(group)
+            # rows whose side nobody recorded take the curve of +
             rows = (np.sign(state.approach[letter]) == side) | (
                 (state.approach[letter] == 0) & (side > 0)
             )
+            # level beyond the first and the last target: no slope is carried on
             result[k, rows] = np.interp(state.position[letter][rows], at, value)
     return result if result.any() else None
 
@@ -250,6 +261,8 @@ def _lines(parts: list[Columns], state: State, direction: np.ndarray) -> dict[st
         )
         if not own.any():
             continue
+        # Of the travel, -1..1 to 0..1. Lines are held against each other within a cell of it, so
+        # that two places of x itself are no second line.
         share = (state.share(x)[own] + 1) / 2
         cell = np.clip((share * CELLS).astype(int), 0, CELLS - 1)
         found = ""

@@ -99,6 +99,8 @@ class Dictionary:
         self.where: dict[int, slice] = {}
         self.dy = np.zeros(0)
         self.pairs = Pairs(*(np.zeros(0, int),) * 3, np.zeros(0))
+        # What stands in _of are views into pieces: one array that grows would be copied, and be
+        # there twice meanwhile.
         self._pieces: list[np.ndarray] = []  # (n, any) of some blocks each, never moved
         self._bd, self._zd = Growing(b.shape[1]), Growing(z.shape[1])
         self._aside: dict[int, tuple[Block, Kept]] = {}
@@ -120,6 +122,8 @@ class Dictionary:
         column, -1 beside the dictionary."""
         new, numbers = {}, [self.columns]
         for number, first, block in blocks:
+            # A block is as long as all rows, of all instruments; here it is cut to those of this
+            # one, and what does not show in it (a cyclic error of X along Z) costs nothing.
             own = np.take(block.columns.T, self.unit.rows, axis=1)
             shows = np.flatnonzero(own.any(axis=1))
             if len(shows):
@@ -130,10 +134,14 @@ class Dictionary:
         many = sum(own.shape[1] for own, _, _ in new.values())
         wide = np.empty((len(self.unit), many), order="F")
         np.concatenate([own for own, _, _ in new.values()], axis=1, out=wide)
+        # All blocks at once: one pass over the memory for the autoregression, one product each with
+        # B, Z, y.
         white, at = self.unit.whitened(wide), 0
         kept = Kept(self.b.T @ white, self.z.T @ white, white.T @ self.y)
         for number, (own, aside, block) in new.items():
             here = slice(at, at := at + own.shape[1])
+            # terms of an error of form: of a member, asked for with it, and no candidates (first is
+            # -1)
             if aside:
                 mine = Kept(kept.bd[:, here], kept.zd[:, here], kept.dy[here])
                 self._aside[number] = block, mine
@@ -218,6 +226,8 @@ class Dictionary:
             return None
         x = self.unit.whitened(raw)
         shared = [self.z.T @ x, *(self.white(c).T @ x for c in shown)]
+        # Own columns stand in the order of their groups, processes last: most sets ask for none of
+        # these, and the product ends at the last one that is asked for.
         own, last = np.zeros((self.b.shape[1], x.shape[1])), int(use.max(initial=-1)) + 1
         own[:last] = self.b[:, :last].T @ x
         return Products(own, np.concatenate(shared), x.T @ x, x.T @ self.y)
@@ -251,6 +261,7 @@ class Dictionary:
         of the columns, the upper triangle row by row, and which stand behind so many pairs. The
         blocks are the last ones that there are."""
         at = np.full(int(pairs.max()) + 1, -1)
+        # number among all columns -> place here, -1 where it does not show in this unit
         at[self.columns] = np.arange(len(self.columns))
         here = np.flatnonzero((at[pairs] >= 0).all(axis=0))
         own = [self._of[k] for k in numbers if k in self._of]

@@ -103,6 +103,11 @@ def _motions(recording: Recording, axis: str, signal: str) -> list[Motion]:
         step = float(np.median(np.diff(time[part])))
         place = recording.columns.get(f"{axis}_act_mm", recording.position(axis))[part]
         speed = recording.columns.get(f"{axis}_act_velocity_mm_s")
+        #     place - d/dt - low-pass - v - d/dt - a - d/dt - jerk
+        #                  - narrow low-pass - sign - low-pass - sense
+        #     force ------- low-pass - response
+        # One low-pass for both sides, so that what it changes it changes in both (parallel
+        # filtering).
         exact = np.gradient(place, time[part]) if speed is None else speed[part]
         wide = max(round(WIDTH / step), 0)
         v = _low(exact, wide)
@@ -111,6 +116,7 @@ def _motions(recording: Recording, axis: str, signal: str) -> list[Motion]:
         kernel = _low(
             np.where(np.abs(exact) > 0, np.sign(_low(exact, max(wide // 3, 0))), 0.0), wide
         )
+        # Behind the low-pass neighbours within its width say the same, and its ends are made up.
         every = slice(2 * wide, len(part) - 2 * wide or None, max(wide, 1))
         result.append(
             Motion(
@@ -214,6 +220,8 @@ def _design_matrix(columns: list[np.ndarray], n: int) -> np.ndarray:
 def _alike(left: np.ndarray) -> float:
     """By how many samples one counts: neighbours that are alike tell less."""
     total = float(left @ left)
+    # n / (1 + 2 sum rho_k): the number of independent samples whose mean is as sure. Up to the
+    # first rho below 0.05: over all lags the sum of a series about its mean is -1/2 always.
     rho = (
         [float(left[k:] @ left[:-k]) / total for k in range(1, min(len(left) // 4, 200))]
         if total > 0
@@ -257,9 +265,12 @@ class _Fit:
         wider = np.concatenate([design, columns], axis=1)
         left, value = self.y - design @ _solve(design, self.y), _solve(wider, self.y)
         own = self.y - wider @ value
+        # n ln(S0 / S1), twice the logarithm of the likelihood ratio where the noise is not known,
+        # with the samples that are not alike in the place of n
         fall = self.free * float(np.log(float(left @ left) / max(float(own @ own), 1e-300)))
         if fall < LEAST + columns.shape[1] * np.log(self.free) + 2 * np.log(term.siblings):
             return 0.0
+        # a negative mass or friction that drives is another term in disguise
         if term.positive and value[design.shape[1]] < 0:
             return 0.0
         if any(
@@ -305,6 +316,7 @@ class _Fit:
         design = self._columns(chosen)
         value = _solve(design, self.y)
         left = self.y - design @ value
+        # As if only `free` samples had been read: (X'X)^-1 S / (free - p).
         spread = float(left @ left) / max(self.free - len(value), 1.0) * self.free / len(self.y)
         covariance = np.linalg.pinv(design.T @ design) * spread * len(self.y) / self.free
         result, at = [], 0
@@ -321,6 +333,8 @@ class _Fit:
             before, after = (_rms(self.across(chosen[:stop])) for stop in (i, i + 1))
             rest = [c for c in chosen if c != k]
             rms = _rms(columns @ value[part])
+            # Jerk times a delay is a force that is late by it. At one speed of a circle jerk is
+            # -omega^2 v, so that viscous friction and a delay are one column.
             late = [
                 c for c, (t, _) in enumerate(self.possible) if t.name == DELAY and c not in chosen
             ]

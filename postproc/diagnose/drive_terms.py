@@ -78,6 +78,7 @@ class Term:
 
     def errors(self, value: np.ndarray, covariance: np.ndarray) -> dict[str, float]:
         if self.name == "force_ripple":
+            # gradient of sqrt(c^2 + s^2) by c and s: the error of the amplitude, to first order
             slope = value / max(float(np.hypot(*value)), 1e-12)
             return {self.parameters[0]: float(np.sqrt(max(slope @ covariance @ slope, 0.0)))}
         return {
@@ -90,6 +91,7 @@ def terms(motion: Motion, unit: str) -> Iterator[Term]:
     """All terms that this motion may show."""
     yield Term(
         "inertia", "inertia", (f"{unit}_per_m_s2",), "The drive accelerates a mass.",
+        # mm/s2 to m/s2: the coefficient is N per m/s2, kg
         lambda m: [m.acceleration * M], plain=True, positive=True,
     )  # fmt: skip
     yield Term(
@@ -125,6 +127,12 @@ def terms(motion: Motion, unit: str) -> Iterator[Term]:
         " tilted nut.",
         lambda m: [np.abs(m.velocity) * M],
     )
+    #     force |*                                .  viscous
+    #           | *                      .  '
+    #           |  ' *  .  .  '     Coulomb
+    #           |
+    #           +----+---------------------------- speed
+    #               at: exp(-(v / at)^2), in shares of the fastest
     speeds = (0.02, 0.05, 0.1, 0.2, 0.4)
     fastest = float(np.abs(motion.velocity).max())
     for share in speeds:
@@ -146,6 +154,8 @@ def terms(motion: Motion, unit: str) -> Iterator[Term]:
             "Friction grows less than the speed (grease that thins), or more (churned oil).",
             partial(_power, power, fastest), (("power", power),), 2,
         )  # fmt: skip
+    # Behind a turn part of the friction is missing, -sense exp(-gone / way) of it. A way that a few
+    # samples pass is not told from a turn that was sampled late.
     step = float(np.median(np.abs(np.diff(motion.place)))) if len(motion.place) > 1 else 0.0
     for way in (w for w in (0.05, 0.2, 0.8, 3.0) if 4 * w > step):
         yield Term(
@@ -165,6 +175,8 @@ def terms(motion: Motion, unit: str) -> Iterator[Term]:
         (f"first_{unit}", f"second_{unit}"),
         "Dry friction differs along the travel: preload, guideways that are not parallel, a worn"
         " stretch.",
+        # Legendre polynomials P1 and P2 of the place, times the sense: without the constant, P0,
+        # which is Coulomb friction
         lambda m: [m.sense * m.share, m.sense * (1.5 * m.share**2 - 0.5)],
     )
     yield Term(

@@ -30,9 +30,12 @@ def factors(
         i, j = np.triu_indices(w)
         m = np.zeros((len(which), w, w))
         entries = dd[start[which][:, None] + np.arange(len(i))]
+        # dd holds upper triangles, block behind block; blocks of one width are worked out together.
         m[:, i, j], m[:, j, i] = entries, entries
         at = first[which][:, None] + np.arange(w)
         usual = slab[at]
+        # Turned once, then every size of TRIED costs a few divisions: the prior is t^2 times the
+        # unit matrix in these coordinates, whatever t.
         power, turned = np.linalg.eigh(m * usual[:, :, None] * usual[:, None, :])
         along = turned.transpose(0, 2, 1) @ (dy[at] * usual[:, :, None])
         for scale in TRIED:
@@ -40,6 +43,8 @@ def factors(
             now = scale**2 * np.einsum("bwr,bw->br", along**2, kept)
             now += np.log(kept).sum(axis=1)[:, None] - surprise(scale, 1.0)
             result[which] = np.maximum(result[which], now)
+        # kept and scale are those of the largest size: coefficients that the prior hardly draws to
+        # zero
         mean = np.einsum("bvw,bw->bv", turned, kept * along[:, :, 0])
         coefficients[at] = scale**2 * mean * usual
         spread[at] = scale * np.sqrt(np.einsum("bvw,bw->bv", turned**2, kept)) * usual

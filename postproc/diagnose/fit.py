@@ -24,17 +24,22 @@ class Projector:
     @staticmethod
     def of(sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> Projector:
         w = 1.0 / sigma**2
+        # Woodbury's identity: P is the inverse of sigma^2 + U L U', with a (Q, Q) matrix in the
+        # place of an (N, N) one.
         inner = np.diag(1.0 / prior**2) + (u * w[:, None]).T @ u
         return Projector(w, u, np.linalg.inv(inner))
 
     def __call__(self, columns: np.ndarray) -> np.ndarray:
         """P D for (N,) or (N, K)."""
         w = self.w if columns.ndim == 1 else self.w[:, None]
+        # Never P itself: two thin products, with U' and with U.
         result: np.ndarray = columns * w
         result -= w * (self.u @ (self.inner @ (self.u.T @ result)))
         return result
 
     def nuisance(self, y: np.ndarray) -> np.ndarray:
         """(N,) the nuisances' own part of y."""
+        # inner U'W y is the mean of the coefficients given y, where y held nothing but nuisances
+        # and noise
         nuisance: np.ndarray = self.u @ (self.inner @ (self.u.T @ (self.w * y)))
         return nuisance

@@ -26,6 +26,9 @@ def of(rows: Rows, wanted: str, recordings: list[Recording]) -> tuple[np.ndarray
                 f" {'nothing' if not held.any() else 'no other run than'} {wanted}"
             )
         return held, f"run {int(value)}"
+    # The middle run and not the last: heat and wear go on after all that was fitted, and a run
+    # there would judge how far they go on, not whether the names are right. --holdout asks for
+    # another.
     said = []
     for file in range(len(rows.files)):
         which = rows.file == file
@@ -35,6 +38,7 @@ def of(rows: Rows, wanted: str, recordings: list[Recording]) -> tuple[np.ndarray
             if again.any():
                 held |= again
                 said.append("the last reading of every feature")
+        # with two, one would be left: nothing tells what scatters from run to run
         elif len(runs) >= 3:
             held |= which & (rows.run == _between_others(rows, which, runs))
             said.append("the middle run of every recording that has three at least")
@@ -54,6 +58,7 @@ def _between_others(rows: Rows, which: np.ndarray, runs: np.ndarray) -> float:
         )
 
     middle = len(runs) // 2
+    # of 1 2 3 4 5: 3 2 4 1 5
     order = sorted(runs, key=lambda run: abs(int(np.searchsorted(runs, run)) - middle))
     return float(next((run for run in order if not alone(run)), runs[middle]))
 
@@ -73,5 +78,6 @@ def _last_readings(rows: Rows, file: int, recording: Recording) -> np.ndarray:
         for s, r in zip(rows.signal[own], rows.run[own], strict=True)
     }
     if min(len(values) for values in each.values()) >= 3 and np.isfinite(read).all():
+        # of readings at one place of one part: the others say all of it but the noise
         result[own[read == read.max()]] = True
     return result

@@ -7,6 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 
+# Order of the f shared coefficients of a set, in each vector and along both sides of each matrix:
+#
+#     map, square, jump (columns of Evidence.shared) | block chosen[0] | block chosen[1] | ...
+#                                                    |<---- slab, of: (w,), all blocks ---->
+#
+# A unit holds only those that show in it, in the same order; `at` says where they stand.
 @dataclass(frozen=True)
 class Layout:
     """Where the shared coefficients of a set stand. slab (w,): usual standard deviation of those of

@@ -103,6 +103,8 @@ def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> 
     """(N, K) mm: the columns of an effect as the readings show them."""
     if getattr(module, "ALONG", False) and not rows.other:
         return _read_along(rows, module, axis, shape)
+    # (K, 3, N) mm, the tool's deviation along X, Y, Z, of which a reading takes what lies along its
+    # direction; of an instrument's own effects (K, N), the reading itself.
     value = module.columns(rows.state, axis, **shape)
     seen = visible(rows, module)
     if value.ndim == 2:
@@ -113,6 +115,7 @@ def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> 
         part = (rows.sees == "part") & np.all([np.isfinite(v) for v in rows.other.values()], axis=0)
         if part.any():
             value = value.copy()
+            #     size = (wall + its deviation) - (other + its deviation)
             value[:, :, part] -= module.columns(second_place(rows, part), axis, **shape)
     result = np.zeros((len(value), len(rows)))  # a column in one piece of the memory
     for along, own in enumerate(rows.direction.T):
@@ -159,6 +162,7 @@ def axes_of(rows: Rows, module: ModuleType) -> list[str]:
         seen = visible(rows, module)
         return [x for x in rows.state.position if np.any(rows.direction[seen, XYZ.index(x)])]
     if getattr(module, "LINE", False):
+        # "" beside the axes: of none alone, as a line along which several move
         return [*moving, ""]
     return moving
 
@@ -177,11 +181,15 @@ def blocks(rows: Rows) -> Iterator[Block]:
             found = []
             for shape in shapes:
                 columns = read(rows, module, axis, shape)
+                # mm, for a coefficient of one: what no reading shows has no usual size (SLAB over
+                # its largest reading, evidence.py)
                 keep = np.abs(columns).max(axis=0) > 1e-9
                 if not keep.all() or not np.isfinite(columns).all():
                     continue
                 if "period_mm" not in shape or not looks_smooth(rows, axis, columns):
                     found.append((shape, columns))
+            # Of a jump all moments count as tried, not only those of the grid: shapes.py looks at
+            # the others.
             number = max(len(found), len(np.unique(rows.state.time)) if name == "step_loss" else 0)
             alone = module.PER == "pair" and "velocity" in module.NEEDS and apart(rows, axis)
             made = [
@@ -240,6 +248,7 @@ def _steps(rows: Rows) -> list[float]:
     t = np.unique(rows.state.time[rest])
     middle, wait = (t[1:] + t[:-1]) / 2, np.diff(t)
     gaps = list(middle)
+    # A block to each moment: a day of readings would have thousands.
     if len(gaps) > MOST_STEPS:
         largest = np.zeros(len(middle))
         for signal in np.unique(rows.signal[rest]):
@@ -263,6 +272,8 @@ def between_readings(rows: Rows, t: float) -> bool:
     seen = rows.sees != "part"
     number, later = rows.signal[seen], rows.state.time[seen] > t
     most = int(number.max(initial=0)) + 1
+    # enough on both sides in one signal: eight before in one and eight behind in another show two
+    # zeros
     behind = np.bincount(number[later], minlength=most)
     before = np.bincount(number[~later], minlength=most)
     return bool(np.any(np.minimum(behind, before) >= FEWEST_BETWEEN))

@@ -18,6 +18,12 @@ from postproc.diagnose.fit import Projector
 from postproc.diagnose.rows import Rows
 from postproc.machine.chain import XYZ
 
+# Cells of one signal, n = 2 along, and windows over them, of "-", of "+" or of both alike:
+#
+#     cell    0    1    2  ... along-1 | along  along+1  ... 2 along-1
+#     approached in -                  | approached in + (or from a side that nobody knows)
+#     window       [a,       b)        |        [along+a,      along+b)
+#
 Scanned = tuple[np.ndarray, float, np.ndarray]  # rows, score, the highest of each draw
 
 CELLS = 12
@@ -89,6 +95,8 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
     """The region of every signal that noise does not explain, the clearest first."""
     # Zeros are nobody's fault; what the map may be wrong by is among the draws: more than that is a
     # mismatch.
+    # mm. Wander, runs and the map's error are smaller, and drawn; zeros, centres and the growth of
+    # a bar are larger, and fitted.
     free = prior >= 0.005
     projector = Projector.of(sigma, u[:, free], prior[free])
     rng = np.random.default_rng(99)
@@ -111,6 +119,8 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
         signal, which, axis, own = seen.signal, seen.which, seen.axis, seen.own
         side, cell, time = seen.side, seen.cell, rows.state.time[which]
         value, later, worth = seen.value, seen.later, seen.worth
+        # A draw counts that departs as far anywhere, so the search over windows is paid for. The
+        # readings count as one of DRAWS + 1: no p is 0.
         p = (1 + int((nulls[seen.test] >= max(value, worth)).sum())) / (DRAWS + 1)
         if p > SIGNIFICANT:
             continue
@@ -211,6 +221,7 @@ def _at_times(
     rank[order] = np.arange(len(order))
     turn = np.argsort(rank[own], kind="stable")
     visit = np.empty(len(own), int)
+    # Rows of the stretch in the order of time: where others come between two of them, a new visit.
     visit[turn] = np.cumsum(np.diff(rank[own][turn], prepend=-1) > 1) - 1
     visit -= visit.min()
     n = int(visit.max()) + 1
@@ -220,6 +231,8 @@ def _at_times(
     windows = _stretches(min(n, CELLS))[:-1]
     member = np.zeros((len(evidence), windows.shape[1]))
     member[which[own], cell] = 1.0
+    # Sums over cells, once; a window's are those of its cells added up (wide), for all windows and
+    # draws.
     normal, projected = member.T @ projector(member), member.T @ evidence
     whole = normal.sum(axis=0)
     share = whole / max(float(whole.sum()), 1e-30)
@@ -264,6 +277,8 @@ def _scan(
     wide = windows.astype(float)
     power = np.einsum("wi,ij,wj->w", wide, normal, wide)
     determined = power > 1e-9 * max(float(np.trace(normal)), 1e-30)
+    # (m'P y)^2 / m'P m, m the window's 0 and 1: chi squared of a mean of its own. A window that
+    # zeros and set-ups take up whole has m'P m = 0.
     score = (wide @ _sums(evidence[which], cell, n)) ** 2 / np.where(determined, power, np.inf)[
         :, None
     ]

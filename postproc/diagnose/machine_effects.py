@@ -40,6 +40,9 @@ def written(d: Diagnosis, accept: tuple[str, ...]) -> tuple[list[Finding], list[
                 f"--accept {name}: no such effect is accepted",
                 f"accepted effects of the machine: {known}",
             )
+    # What stands in a machine's file corrects programs. So a name that is likely is not enough: no
+    # other may correct otherwise, its size must differ from zero, its curve must hold between
+    # targets.
     sure = [
         f
         for f in able
@@ -55,6 +58,7 @@ def written(d: Diagnosis, accept: tuple[str, ...]) -> tuple[list[Finding], list[
 def _sized(f: Finding) -> bool:
     """Whether one of its fitted sizes at least is told from zero: several that only their sum tells
     correct nothing one by one."""
+    # a parameter of exactly 0 was not fitted
     ends = [f.ci95[name] for name in sizes(f.block.module) if f.value[name]]
     return not ends or any(low > 0.0 or high < 0.0 for low, high in ends)
 
@@ -114,6 +118,8 @@ def _half_widths(f: Finding) -> dict[str, float]:
     found = {}
     for name in sizes(f.block.module):
         value, (low, high) = f.value[name], f.ci95[name]
+        # of an interval that is not symmetric: U is one number, and the farther end is on the safe
+        # side
         half = max(high - value, value - low)
         # else the parameter was not fitted
         if math.isfinite(half) and half > 1e-9 * max(abs(value), 1e-12):
@@ -124,6 +130,8 @@ def _half_widths(f: Finding) -> dict[str, float]:
 def _range(d: Diagnosis, f: Finding) -> tuple[float, float] | None:
     """mm: from where to where of its axis readings told an effect that is a curve over it."""
     module = f.block.module
+    # A polynomial says nothing beyond the readings that told it; the compensator holds it level
+    # there.
     curve = hasattr(module, "tables") or hasattr(module, "arm_tables")
     if not curve or "degree" not in module.PARAMETERS:
         return None  # a line, a gap, a wave go on as they are

@@ -33,6 +33,8 @@ def by_time(recording: Recording) -> tuple[Recording, np.ndarray, str]:
                 f"t_s = {time[0]:g} in all {len(time)} rows", "samples in motion need their times",
                 Place(recording.file, int(recording.lines[0])),
             )  # fmt: skip
+        # Targets at rest can do without times, in the order of the file; of samples in motion every
+        # velocity would be wrong.
         columns = {k: v for k, v in recording.columns.items() if k != "t_s"}
         return (
             replace(recording, columns=columns),
@@ -59,6 +61,7 @@ def by_time(recording: Recording) -> tuple[Recording, np.ndarray, str]:
     for value in recording.columns.values() if copy.any() else ():
         same = value[1:] == value[:-1]
         if value.dtype != object:
+            # two empty fields are the same reading, too: NaN == NaN is false
             same = same | (np.isnan(value[1:]) & np.isnan(value[:-1]))
         copy[1:] &= same
     return (
@@ -74,6 +77,8 @@ def _order(time: np.ndarray, run: np.ndarray) -> np.ndarray:
     numbers, first, which = np.unique(run, return_index=True, return_inverse=True)
     low = np.array([time[which == k].min() for k in range(len(numbers))])
     high = np.array([time[which == k].max() for k in range(len(numbers))])
+    # Clocks may begin anew with each run, and then all runs overlap: their times put them in no
+    # order.
     by_start = np.argsort(low)
     apart = bool(np.all(high[by_start][:-1] <= low[by_start][1:]))
     rank = np.empty(len(numbers))
@@ -103,6 +108,8 @@ def approaches(recording: Recording) -> tuple[Recording, list[str]]:
             continue
         wrong = (way != 0) & (side != 0) & (way != side)
         up, down = wrong & (way > 0), wrong & (way < 0)
+        # Contradictions one way alone are no disorder: targets may have been passed before they
+        # were approached from the stated side, or all approached from one.
         if up.sum() > AGAINST * max((way > 0).sum(), 1) and down.sum() > AGAINST * max(
             (way < 0).sum(), 1
         ):

@@ -246,12 +246,17 @@ class Part:
         """Its variance and standard deviations, by MacKay's fixed point. mean, covariance: of its
         shared coefficients."""
         asked, counted, sd = old.asked, old.asked.own, old.sd.copy()
+        # Mean of its own coefficients b, given the shared ones c at their mean: M b = B'(y - F c) /
+        # s2. Their spread has two parts: M^-1 with c known, and what c itself may be off by (law of
+        # total variance).
         inverse = inverted(old.root)
         own = inverse.T @ (old.hy - old.hf @ mean)
         along = inverse.T @ old.hf
         spread = np.einsum("ij,ij->j", inverse, inverse)
         spread += np.einsum("ij,ij->i", along @ covariance, along)
         many = len(self.groups)
+        # As in the shared ones (Evidence._renewed_shared): so many coefficients are determined by
+        # readings.
         of_group = np.bincount(counted.of, spread, many) / old.sd**2
         dof = np.maximum(np.bincount(counted.of, minlength=many) - of_group, 0.0)
         power, free = np.bincount(counted.of, own**2, many), counted.learned
@@ -259,6 +264,8 @@ class Part:
         now = _size(power[free], dof[free], usual, most)
         sd[free] = np.clip(now, LEAST * usual, most)
         left = float(dof.sum()) + float(np.einsum("ij,ij->", covariance, old.inside))
+        # The square of y - F c - B b written out in the products that are kept: n, thousands, does
+        # not enter. right is B'[F y], so its product with (c, -1) is B'(F c - y).
         e = self.yy - 2 * mean @ asked.fy + own @ (counted.bb @ own) + mean @ (asked.ff @ mean)
         e += 2 * own @ (asked.right @ np.append(mean, -1.0))
         return float(np.clip((e + SURE) / max(len(self.y) - left + SURE, 1.0), least, 1e4)), sd
@@ -285,6 +292,8 @@ def cholesky(m: np.ndarray) -> np.ndarray:
         return m
     root, info = dpotrf(m.T, lower=1, clean=1)  # symmetric: as it lies in the memory
     if info:
+        # Columns that are nearly alike may make it indefinite by rounding: 1e-10 of the diagonal is
+        # far below what readings tell.
         root, info = dpotrf(m + 1e-10 * np.diag(np.diag(m)), lower=1, clean=1)
     if info:
         raise np.linalg.LinAlgError(f"the {info}. leading minor is not positive")

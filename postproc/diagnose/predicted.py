@@ -26,6 +26,8 @@ def predicted(rows: Rows, machine: Machine) -> np.ndarray:
     """(N,) mm: what the machine's file says these readings are, apart from their zeros."""
     result = np.zeros(len(rows))
     tool = np.isin(rows.sees, ("laser", "tool")) | diameters(rows)
+    # Tables, squareness and arms first, without effects of the library: these are read below, with
+    # the speeds and times that the rows have.
     bare = replace(machine, effects=tuple(e for e in machine.effects if e.module is None))
     if tool.any():
         part = pick_state(rows.state, tool)
@@ -33,6 +35,7 @@ def predicted(rows: Rows, machine: Machine) -> np.ndarray:
     part = (rows.sees == "part") & ~diameters(rows)
     if part.any():
         near, far = pick_state(rows.state, part), second_place(rows, part)
+        # a size is the difference of two places: what both walls share is no error of it
         between = deviation_at(bare, near) - deviation_at(bare, far)
         result[part] = (between * rows.direction[part].T).sum(axis=0)
     # with their history: what a place alone decides is only what a program can correct

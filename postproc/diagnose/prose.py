@@ -93,6 +93,7 @@ def worth(d: Diagnosis, f: Finding) -> str:
     part = (f.contribution - middle(d, f.contribution)) * UM
     most = {int(s): rms(part[d.rows.signal == s]) for s in np.unique(d.rows.signal)}
     best = max(most, key=lambda s: most[s])
+    # um: two decimals would show 0.00
     if most[best] < 0.005:
         share = "explains no single reading, but their spread"
     else:
@@ -104,6 +105,7 @@ def worth(d: Diagnosis, f: Finding) -> str:
         )
     if f.status != "accepted":
         return f"{share}; not to be relied on: something that it does not explain is there as well"
+    # beside other members, and at errors of form, a score may fall below what it came in by
     if f.score <= d.least:
         return f"{share}; evidence {f.score:.0f}"
     return (
@@ -120,6 +122,7 @@ def where(d: Diagnosis, place: Place) -> str:
     ]
     signal, of_it = d.rows.signals[place.signal], d.rows.signal == place.signal
     part = bool(np.any(d.rows.sees[of_it] == "part"))
+    # a soak log: one place, and no direction in which it was reached
     if not np.ptp(d.rows.state.position[place.axis][of_it]):
         way = "at rest"
     at = "" if part else f": {words.stretch(place.axis, place.low, place.high)}, {way}"
@@ -143,6 +146,7 @@ def unknown_words(d: Diagnosis) -> str:
         f"{u.rms * scale:.1f} {size} rms in {file}, {d.rows.signals[u.signal]} are there that"
         f" nothing in the library explains. They go with {' and '.join(u.depends)}"
     )
+    # the clearest cell alone is named, of those that stand out by two standard errors
     cells = [c for c in u.cells if abs(c.mean) > 2 * c.error]
     if cells and u.depends != ("direction",):
         c = max(cells, key=lambda c: abs(c.mean))
@@ -226,6 +230,7 @@ def faults(d: Diagnosis) -> list[str]:
     for (file, what), rows in alike.items():
         for line, size in rows[:SHOWN]:
             off = f", {size * UM:.3g} um off" if size else ""
+            # the row is still there, only its channel is not
             left = "" if what.endswith("not recorded") else "; left out"
             result.append(f"DATA: {d.recordings[file].file}:{line}: {what}{off}{left}")
         if len(rows) > SHOWN:

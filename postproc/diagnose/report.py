@@ -20,6 +20,7 @@ MAP = ("from", "to", "approach", "readings", "residual_um", "u_um")
 def of_files(d: Diagnosis, digests: dict[str, str]) -> dict[str, Any]:
     """The contract's document of what was read from these files, after the faults that reading
     found have been added to the diagnosis. digests: SHA-256 of each, by its name."""
+    # of no size: what could not be read at all has none
     d.faults += [(i, f.line, f.message, 0.0) for i, r in enumerate(d.recordings) for f in r.faults]
     return as_json(d, [digests[r.file] for r in d.recordings])
 
@@ -113,6 +114,8 @@ def _effect(d: Diagnosis, f: Finding) -> dict[str, Any]:
             for name, v in f.value.items()
         },
         "rms_explained_um": rounded(rms(shown(d, f.contribution - middle(d, f.contribution)))),
+        # A name is judged by its score beside the threshold; the p-value is that of one test, asked
+        # for once, and knows nothing of the other names that were tried.
         "p_value": float(f"{chance(f.delta_chi2, pieces):.3g}"),
         "evidence": {
             "delta_chi2": rounded(f.delta_chi2),
@@ -184,6 +187,9 @@ def _drive(one: Drive) -> dict[str, Any]:
 
 def chance(fall: float, pieces: int) -> float:
     """Probability that noise alone makes chi squared of so many columns fall by as much."""
+    # Q(k/2, x/2), the regularised upper incomplete gamma function, is the part of a chi squared
+    # distribution of k degrees of freedom beyond x. Not 0: so small a number is a limit of the
+    # format.
     from scipy.special import gammaincc
 
     return float(max(gammaincc(pieces / 2, max(fall, 0.0) / 2), 1e-300))
@@ -194,6 +200,7 @@ def _unknown(d: Diagnosis) -> dict[str, Any] | None:
         return None
     u = d.unknown
     which = d.rows.signal == u.signal
+    # what is unknown has no place of its own: the region that stood out in its signal, if one did
     where = next((p for p in d.places if p.signal == u.signal), None)
     scale, unit = scaled(d, u.signal)
     return {

@@ -100,6 +100,8 @@ def pick_state(state: State, which: np.ndarray) -> State:
     def of_each(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         return {k: v[..., which] for k, v in values.items()}
 
+    # By place, in the order of State's fields: one that is added there and not here would be empty
+    # in every part of the rows, without an error.
     return State(
         of_each(state.position),
         of_each(state.approach),
@@ -128,6 +130,8 @@ def pick_state(state: State, which: np.ndarray) -> State:
 
 def second_place(rows: Rows, which: np.ndarray) -> State:
     """The state at the other wall of features: its own place, reached from the other side."""
+    # Both walls are reached outwards from the middle of a pocket (inwards on a boss): one in +, the
+    # other in -. So lost motion adds up in a size, and ways since a turn change their sign.
     there = pick_state(rows.state, which)
     position = {x: np.nan_to_num(rows.other[x][which]) for x in there.position}
     inside = dict(there.inside)

@@ -74,6 +74,8 @@ def _worth(block: Block, a: np.ndarray, b: np.ndarray) -> float:
     """Of a block whose columns, all else taken out, have the products a (K, K) and b (K,) with the
     readings."""
     scales = np.array(TRIED_SIZES)
+    # The same closed form as in factors.py, of one block at all TRIED sizes; there without this
+    # loop's test of the sizes that come out, which costs a solve each.
     slab = scales[:, None] * SLAB / block.largest
     scaled = a * slab[:, :, None] * slab[:, None, :] + np.eye(len(b))
     value = np.linalg.solve(scaled, (b * slab)[:, :, None])[:, :, 0]
@@ -131,6 +133,10 @@ def _nearby(sets: Sets, fit: Fit, block: Block) -> Block:
         )
     within = WITHIN / max(span, 1e-9)
     best, (most,) = block, worths(sets, fit, [block])
+    #     middle - within   .   middle   .   middle + within        TRIED = 5 in a round
+    #                       |<- half of it in the next ->|
+    # Frequencies: from 0.6 of what the span resolves (1 / span) on either side down to steps of a
+    # sixteenth of that.
     for _ in range(ROUNDS):
         value = dict(best.shape)[name]
         middle = 1 / value if name == "period_mm" else value
@@ -178,6 +184,10 @@ def _folded(sets: Sets, block: Block, frequency: float) -> list[float]:
     for signal in np.unique(rows.signal[shown]):
         stand = np.unique(np.round(place[shown & (rows.signal == signal)], 2))
         gap = float(np.median(np.diff(stand))) if len(stand) > 1 else np.inf
+        # Targets every `gap`: f and k / gap +- f have the same values there.
+        #
+        #     0 ----- f ------|------ 1/gap - f --- 1/gap --- 1/gap + f ------ ...
+        #                1/(2 gap)
         fold = np.arange(int(gap / SHORTEST) + 2 if gap < np.inf else 0) / gap
         tried |= set(np.abs(np.concatenate([fold + frequency, fold - frequency])).tolist())
     apart = WITHIN / max(float(np.ptp(place[shown])), 1e-9)
@@ -193,6 +203,7 @@ def _moments(sets: Sets, fit: Fit, block: Block) -> Block:
     middle = (times[1:] + times[:-1]) / 2
     best, (most,) = block, worths(sets, fit, [block])
     for name in (name for name in MOMENTS if name in dict(block.shape)):
+        # 17 moments a coarse step apart, then 17 neighbours of the best of them
         for stride in (8, 1):
             near = int(np.searchsorted(middle, dict(best.shape)[name]))
             last = min(len(middle), near + 8 * stride + 1)
@@ -230,10 +241,13 @@ def _jumps(sets: Sets, fit: Fit, own: tuple[int, ...], tried: int) -> list[int]:
     a, b = sets.evidence.among(fit, own)
     sensible = sets.blocks[own[0]].module.sensible
     later = np.array([sets.blocks[k].shown for k in own])
+    # All pairs, then all third ones beside the best pair: all triples of 200 moments would be 1.3
+    # million.
     picks = np.stack(np.triu_indices(len(later), 1), axis=1)
     chosen: list[int] = []
     now = -np.inf
     while len(picks) and len(chosen) < len(MOMENTS):
+        # `later`: how many readings lie behind each moment, so differences are readings between two
         apart = np.diff(np.sort(later[picks], axis=1), axis=1).min(axis=1) >= library.FEWEST_BETWEEN
         if not apart.any():
             break

@@ -34,6 +34,12 @@ KIND, USE = "machine", "simulate"
 TEXT = (
     "Several readings of the axis leave their lines at the same places and in one ratio: one cause."
 )
+#     value |             * *
+#           |           *     *           inside: a value of each target
+#           | * * * * *         * * *     outside: one line through both ends
+#           +---------[window ]------- place
+#
+# twice, of two signals: inside one is `ratio` times the other
 FEWEST, OUTSIDE = 10, 8  # targets that are wanted, and outside the window
 WIDEST = 0.4  # of all targets
 CLEAR = 6.0  # times what the rest of the travel departs by
@@ -145,6 +151,7 @@ def _with_angle(rows: Rows, jump: SharedJump, several: list[Profile]) -> SharedJ
     """With what is known of the turn that would do this: about the direction that neither of the
     two is read along."""
     a, b = (rows.direction[p.rows[0][0]] for p in (jump.first, jump.second))
+    # positioning along X and straightness in Z: about Y
     k = int(np.abs(np.cross(a, b)).argmax())
     angles = [
         p for p in several if p.sees == "angle" and abs(rows.direction[p.rows[0][0]][k]) > 0.5
@@ -256,6 +263,9 @@ def _pair(axis: str, a: Profile, b: Profile) -> SharedJump | None:
     for window in _windows(n):
         inside = np.zeros(n, bool)
         inside[window] = True
+        # Twice the negative log-likelihood of what is left outside, and the logarithm of n for each
+        # target that has a value of its own (Bayesian information criterion): a wide window must
+        # earn its width.
         cost = sum(
             (n - inside.sum()) * np.log(max(_off_line(p, inside)[1], p.sigma) ** 2)
             + inside.sum() * np.log(n)
@@ -272,6 +282,8 @@ def _pair(axis: str, a: Profile, b: Profile) -> SharedJump | None:
         floor = max(rest, p.sigma)
         if np.abs(o[inside]).max() < max(CLEAR * floor, SMALLEST):
             return None
+        # of the two as one: each by the ratio of standard deviations, so the product of two is one
+        # of variances
         better *= _smooth(p) / floor
     if better < BETTER:
         return None
@@ -281,6 +293,7 @@ def _pair(axis: str, a: Profile, b: Profile) -> SharedJump | None:
     larger = 0 if np.abs(off[0]).max() >= np.abs(off[1]).max() else 1
     first, second = ((a, b), (b, a))[larger]
     x, y = off[larger], off[1 - larger]
+    # with a constant: the lines were fitted outside, and both of them a little wrong
     design = np.stack([x, np.ones(n)], axis=1)
     solved = np.linalg.lstsq(design, y, rcond=None)[0]
     left = y - design @ solved

@@ -73,6 +73,8 @@ def _targets(recording: Recording, machine: Machine) -> Iterator[Signal]:
     if angle:
         vector = np.array(
             [
+                # An angle is read about a direction: named by it, or by the turn about it (A about
+                # X, B about Y, C about Z, ISO 841).
                 recording.sensitive.get(x, recording.sensitive.get("ABC"[i], 0.0))
                 for i, x in enumerate(XYZ)
             ]
@@ -89,6 +91,8 @@ def _targets(recording: Recording, machine: Machine) -> Iterator[Signal]:
             columns[f"{x} path"] = _through_targets(p, recording.approach(x), overrun)
         path += vector[XYZ.index(x)] * p
     length = not angle and recording.quantity == "displacement"
+    # From the lowest target along the reading on: at which end the laser stood is not recorded, and
+    # what lies before the first target is the dead path, an effect of its own.
     columns["beam"] = path - path.min() if length else np.zeros(n)
     laser = "laser" if recording.quantity == "displacement" else "tool"
     yield (
@@ -116,6 +120,14 @@ def _overrun(recording: Recording) -> np.ndarray:
     time, feed = recording.columns.get("t_s"), recording.columns.get("feed_mm_min")
     if time is None or feed is None or feed.dtype == object or len(result) < 3:
         return result
+    #     wait = rest + (step + 2 overrun) / speed
+    #
+    #              target k-1       overrun
+    #     --------------+----------------.
+    #     <---target k------ step -------'
+    #
+    # Only the sum of rest and overrun shows in one wait. The shortest rest of all is taken for that
+    # of each, so that what a wait has beyond it is way.
     step = np.sqrt(sum(np.diff(recording.position(x)) ** 2 for x in recording.axes if x in XYZ))
     wait, speed = np.diff(time), feed[1:] / 60.0
     known = (wait > 0) & (speed > 0)
@@ -135,6 +147,11 @@ def _since_turn(position: np.ndarray, approach: np.ndarray, overrun: np.ndarray)
     for k in range(1, len(position)):
         step = abs(position[k] - position[k - 1])
         if approach[k] != approach[k - 1]:
+            #      turn     k-1                 k          the new side is +
+            #        |<------+------------------           came in -, went on beyond k-1,
+            #        +------>+------------------>|         and back: gone = beyond + ahead
+            # A target that does not lie ahead was passed first, so that only `beyond` was gone
+            # since.
             ahead = approach[k] * (position[k] - position[k - 1])
             gone = max(ahead, 0.0) + _beyond(ahead, overrun[k])
         else:
@@ -208,10 +225,13 @@ def _motion(
         v[part] = np.where(still, 0.0, v[part])
         sign = np.sign(v[part])
         held = np.maximum.accumulate(np.where(sign != 0, np.arange(len(part)), -1))
+        # An axis at rest bears on the side of its last motion; 0 before the first one.
         s[part] = np.where(held >= 0, sign[np.maximum(held, 0)], 0)
         turn = np.concatenate([[False], (s[part][1:] != s[part][:-1]) & (s[part][:-1] != 0)])
         last = np.maximum.accumulate(np.where(turn, np.arange(len(part)), -1))
         gone = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(p)))])
+        # mm and s since the last turn; before the first one of a run nobody knows: FAR, as if long
+        # ago
         d[part] = np.where(last >= 0, gone - gone[np.maximum(last, 0)], FAR)
         since[part] = np.where(last >= 0, t - t[np.maximum(last, 0)], FAR)
         moved = np.flatnonzero(s[part])
@@ -246,6 +266,9 @@ def _slope(v: np.ndarray, t: np.ndarray) -> np.ndarray:
         slope = np.gradient(v, t, edge_order=2)
         return slope
     k = np.arange(-half, half + 1)
+    # Least squares over 2 half + 1 samples: sum(k v) / sum(k^2) / step (Savitzky-Golay of first
+    # order). Ends go on turned about the end point, as a line does; mirrored, they would be level
+    # there.
     head, tail = 2 * v[0] - v[half:0:-1], 2 * v[-1] - v[-2 : -half - 2 : -1]
     slope = np.convolve(np.concatenate([head, v, tail]), k[::-1] / (k @ k), "valid") / steps[0]
     return slope
@@ -262,6 +285,8 @@ def _ballbar(recording: Recording, machine: Machine) -> Iterator[Signal]:
         _motion(columns, x, p, columns["time"], run)
         if x in centre:
             unit[:, XYZ.index(x)] = p - centre[x]
+    #     centre o-----------+ commanded ---> unit
+    # The bar reads + where the tool is too far out: reading = deviation . unit.
     unit /= np.maximum(np.linalg.norm(unit, axis=1), 1e-9)[:, None]
     moving = [x for x in recording.axes if x in centre]
     sure = ~_changing(columns, moving, run)
@@ -349,6 +374,10 @@ def _features(recording: Recording, machine: Machine) -> Iterator[Signal]:
     for x in (x for x in machine.letters if x in XYZ):
         low, high = machine.axes[x].travel
         size = nominal * (direction[:, XYZ.index(x)] != 0)
+        #      other           middle of the travel         position
+        #        |<------------------ size ------------------>|   two walls
+        # Where the part stood is seldom recorded; what the map says of it is the difference of its
+        # errors at the two walls. A diameter on a lathe has one wall, at its radius.
         middle = (low + high) / 2 if np.isfinite(low + high) else 0.0
         columns[f"{x} position"] = np.where(turned & (size > 0), size / 2, middle + size / 2)
         columns[f"{x} other"] = np.where(turned, np.nan, middle - size / 2)

@@ -30,6 +30,8 @@ def fit_of(d: Diagnosis) -> dict[str, Any]:
         "rms_before_um": rounded(rms(shown(d, d.before)[which])),
         "rms_after_um": rounded(rms(shown(d, d.after)[which])),
         "noise_floor_um": rounded(rms(shown(d, floor(d))[which])),
+        # d.sigma holds the noise and what the form of the names may be wrong by; noise_floor_um the
+        # noise alone, as these readings have it.
         "coverage95": rounded(float(np.mean(np.abs(d.after[which]) <= 1.96 * d.sigma[which]))),
     }
 
@@ -72,5 +74,7 @@ def middle(d: Diagnosis, values: np.ndarray) -> np.ndarray:
 def rounded(value: float, digits: int = 4) -> float:
     """So many significant digits; a number that JSON knows."""
     if not math.isfinite(value):
+        # JSON has no inf and no nan: python writes them as Infinity and NaN, which other readers
+        # refuse
         return 0.0 if math.isnan(value) else math.copysign(1e300, value)
     return float(f"{value:.{digits}g}")

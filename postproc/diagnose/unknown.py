@@ -57,6 +57,8 @@ def mapped(
     axis = max(state.position, key=lambda x: float(np.ptp(state.position[x][which])))
     place, side = state.position[axis], np.sign(state.approach[axis]).astype(int)
     train, held = which & ~held, which & held
+    # What it may go with, the richest first: of two that predict alike the first is kept, and each
+    # cell costs (the factor below). (along, what depends, value, side)
     ways = (
         (axis, ("position", "direction"), place, side),
         (axis, ("position",), place, np.zeros_like(side)),
@@ -69,6 +71,8 @@ def mapped(
         judged = held if held.any() else train
         after = rest[judged] - predicted(cells, value[judged], way[judged])
         after = after - after.mean() + rest[judged].mean()  # a zero is nothing that a map explains
+        # Where nothing was held out the map is judged on what it was made of: a cell more always
+        # helps there, by about 1 / rows of the variance.
         worth = float(np.mean(after**2)) * (1 + len(cells) / max(int(train.sum()), 1))
         if best is None or worth < best[0]:
             before = float(np.sqrt(np.mean(rest[judged] ** 2)))

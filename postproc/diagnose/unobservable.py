@@ -81,6 +81,7 @@ def _even(rows: Rows, axis: str) -> float:
     steps = []
     for signal in moving:
         which = rows.signal == signal
+        # samples of a motion lie at all places: one such signal is enough
         if rows.state.passage[which][0] >= 0:
             return 0.0
         gaps = np.diff(np.unique(np.round(rows.state.position[axis][which], 3)))
@@ -112,6 +113,9 @@ def _one_sense(rows: Rows, pair: str, every: list[Block]) -> bool:
 
 def _alike(rows: Rows, one: np.ndarray, other: np.ndarray) -> bool:
     """Beside what each set-up leaves open: a zero, and where the centre of a circle lies."""
+    # servo_mismatch and squareness both read as sin(2 angle) on a circle; the first turns its sign
+    # with the sense and grows with the feed. With one sense and one feed they are one column and
+    # its multiple.
     both = np.stack([one, other], axis=1)
     for signal in np.unique(rows.signal):
         which = rows.signal == signal
