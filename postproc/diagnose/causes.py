@@ -44,6 +44,8 @@ def attributed(search: Search, state: Found, drives: Sequence[Drive]) -> Found:
             continue
         value = search.sets.value(state.fit, k)
         tau_ms = block.module.parameters(value, dict(block.shape))["tau_ms"]
+        # Viscous friction c against a stiffness k is a lag tau = c/k; with c/m of the force, (c/m)
+        # / tau is k/m, 1/s2.
         if not STIFF[0] < of_axis.get(block.axis, 0.0) / max(tau_ms * 1e-3, 1e-9) < STIFF[1]:
             continue
         module, shape = effects.load(FRICTION), {"power": 1.0} | dict(block.shape)

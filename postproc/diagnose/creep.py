@@ -34,6 +34,14 @@ UNEVEN = 0.1, 0.3
 SPREAD = 4.0  # standard deviations within which the end of a cycle is looked for
 
 
+#     lag  |     /|    /|      /|         top: it lets go
+#          |    / |   / |     / |
+#          |   /  |  /  |    /  |  /
+#          |  /   | /   |   /   | /       bottom: it sticks again
+#          | /    |/    |__/    |/
+#          +----------------------------- way that is driven
+#           <-way-><-way->               `since` grows from 0 to the way, and falls in a slip
+#
 class Slips(NamedTuple):
     """since (N,) mm: of each sample the way that was driven since the last slip, falling while it
     slips; as the slide stopped while it rests, NaN where it does not creep so. ways (C,) mm: of

@@ -168,6 +168,8 @@ class Evidence:
         touched = []
         for k, part in enumerate(self.parts):
             old = like.parts[k] if like else None
+            # Units in which nothing changes are kept as they were, sizes and sums: a set and one
+            # with a member more differ in the few instruments in which that shows.
             same = old and old.shown == shown[k] and old.asked.own.kinds == kinds[k]
             if old and same and old.sigma2 >= least[k]:
                 parts.append(old)
@@ -304,6 +306,8 @@ class Evidence:
             at = self.shared_at(k, fit.chosen)
             part.looked_at(old)
             words, beside = part.dictionary, part.beside(old)
+            # Draws take the place of the readings: their products with the columns anew, all else
+            # as it is.
             y_f, y_d = old.along[:, None], beside.yd[:, None]
             if draws is not None:
                 white = part.unit.whitened(draws[part.unit.rows])
@@ -378,6 +382,7 @@ class Evidence:
         layout = self._layout(fit.chosen, fit.parts)
         a, _, _ = self._summed(layout, list(range(len(fit.parts))), fit.parts)
         own = np.array([fit.scale[k] for k in fit.chosen])[layout.of] * layout.slab
+        # a prior so narrow that the member can not be but 0, in the place of a fit without it
         own[np.array(fit.chosen)[layout.of] == but] = NOTHING
         a[np.diag_indices(len(a))] += 1.0 / np.append(fit.shared[self.shared_of], own) ** 2
         return cholesky(a)

@@ -149,6 +149,7 @@ def separating(key: str, others: list[str], machine: Machine) -> str:
     them, else one that shows the first of them by itself."""
     name, _, axis = key.partition(":")
     candidates = [(name, axis), *((n, a) for n, _, a in (o.partition(":") for o in others))]
+    # the same effect of another axis: both moved together
     if any(n == name for n, _ in candidates[1:]):
         return (
             "the same with each axis alone:"

@@ -28,9 +28,12 @@ def shares(evidence: Evidence, fit: Fit) -> dict[str, np.ndarray]:
     for k, (part, old) in enumerate(zip(evidence.parts, fit.parts, strict=True)):
         own, use = part.whole.rows, old.use
         part.looked_at(old)
+        # of the unit's own coefficients, the shared ones at their mean (as Part.renewed)
         mean = inverted(old.root).T @ (
             old.hy - old.hf @ fit.mean[evidence.shared_at(k, fit.chosen)]
         )
+        # Of a reading that is to come: white noise, and what wanders and the zero of a run may be
+        # then, not what they were here.
         variance = old.sigma2 * part.whole.r**2
         for g in np.unique(part.of[use]):
             columns, kind = part.groups[g].columns, part.kinds[g]
@@ -80,8 +83,11 @@ def drawn(evidence: Evidence, fit: Fit, rng: np.random.Generator, count: int) ->
     ) @ rng.normal(size=(z, count))
     for part, old in zip(evidence.parts, fit.parts, strict=True):
         n = len(part.unit)
+        # Student's t with 5 degrees of freedom has the variance 5/3.
         e = rng.standard_t(5, size=(n, count)) * np.sqrt(3 / 5 * old.sigma2)
         y[part.unit.rows] += _colored(part.unit, e) * part.unit.r[:, None]
+        # not the unknown zeros: they are free in the fit that judges a draw, so nothing of them is
+        # left
         use = np.flatnonzero((old.sd[part.of] < FREE / 10) & part.usually)
         y[part.whole.rows] += (part.raw[:, use] * old.sd[part.of[use]]) @ rng.normal(
             size=(len(use), count)

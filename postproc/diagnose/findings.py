@@ -38,6 +38,7 @@ def of_jump(
     ci = {name: (v - error, v + error) if name == "ratio" else (v, v) for name, v in named.items()}
     contribution = columns @ value
     fall = float(np.sum((contribution[~held] / sigma[~held]) ** 2))
+    # ln n for each target that has a value of its own (Bayesian information criterion)
     score = fall - columns.shape[1] * float(np.log((~held).sum()))
     first, second = (
         Path(rows.files[rows.file[rows.signal == p.signal][0]]).name
@@ -78,6 +79,8 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
     for name in unrecorded.names(sets.rows, block, contribution):
         less.setdefault(name, 0.0)
     power, along = sets.evidence.beside(state.fit, block.columns, but=k)
+    # chi squared by the columns alone, without a prior; pinv, for curves that targets can not tell
+    # apart are columns that are alike
     fall = float(along @ np.linalg.pinv(power, rcond=1e-9, hermitian=True) @ along)
     return Finding(
         block,
@@ -148,6 +151,8 @@ def limits(search: Search, state: Found) -> dict[str, float]:
             continue
         first = sets.evidence.first[k]
         slab = float(sets.evidence.slab[first])
+        # spread is that of readings and prior together (factors.py); without a prior it would be
+        # without bound where no reading tells anything
         power = 1 / float(spread[first]) ** 2 - 1 / slab**2
         peak = float(block.largest[0])
         if power * slab**2 > TELLS:

@@ -41,6 +41,8 @@ def _spread(sets: Sets, state: Found, k: int) -> tuple[dict[str, float], dict[st
     """Named parameters and the standard deviation of each."""
     block, value = sets.blocks[k], sets.value(state.fit, k)
     free = list(continuous(block))
+    # A value of the shape that is not exact shows, to first order, as its slope times the error:
+    # one column more beside those of the block, and the intervals of both carry each other.
     slopes = [_slope(sets, block, value, name) for name in free]
     columns = np.concatenate([block.columns, *(s[:, None] for s in slopes)], axis=1)
     power, _ = sets.evidence.beside(state.fit, columns, but=k)
@@ -94,6 +96,7 @@ def _slope(sets: Sets, block: Block, value: np.ndarray, name: str) -> np.ndarray
         place = (
             sets.rows.state.time if name == "frequency_hz" else sets.rows.state.position[block.axis]
         )
+        # by at most a hundredth of a period over all readings
         step = min(
             step,
             0.01
@@ -140,6 +143,8 @@ def _others(
     for number, (other, score) in enumerate(zip(sets.blocks, scores, strict=True)):
         if other.key != block.key or number == k or not np.isfinite(score + own):
             continue
+        # scores are twice a logarithm; a shape that is likelier than the chosen one counts as much
+        # as it
         weight = math.exp(min((float(score) - own) / 2, 0.0))
         if weight < LIKELY:
             continue
@@ -180,6 +185,7 @@ def _ends(parts: list[tuple[float, float, float]]) -> tuple[float, float]:
     """The interval that holds 95 % of a mixture of normal distributions (weight, mean, standard
     deviation), half of the rest on either side."""
     total = sum(w for w, _, _ in parts)
+    # ends between which bisection looks for the quantiles of the mixture
     low, high = min(m - 5 * s for _, m, s in parts), max(m + 5 * s for _, m, s in parts)
     if len(parts) == 1 or high <= low:
         _, mean, sd = parts[0]

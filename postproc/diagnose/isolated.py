@@ -65,6 +65,7 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
                 *_went_on(y, same := np.flatnonzero(place == place[k]), k),
                 *y[same[run[same] != run[k]]],
             ]
+            # the kindest of all that it is held against: one that bears it out is enough
             off = min((y[k] - level for level in around), key=abs)
             result[which[k]] = abs(off) / sigma[which[k]]
             size[which[k]] = off

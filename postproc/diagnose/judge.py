@@ -90,6 +90,7 @@ def _electronics(d: Diagnosis, sets: Sets) -> None:
     files = telegraph.switching(d.rows, units, telegraph.levels(d.rows, units))
     files |= telegraph.switching(d.rows, units, telegraph.steps(d.rows, units))
     for f in d.findings:
+        # of all recordings only those whose instrument switches
         own = [f.contribution[d.rows.file == file] for file in files]
         if f.block.name == "step_loss" and any(np.ptp(values) > 0 for values in own):
             f.status = "tentative"
@@ -124,8 +125,12 @@ def _left_out(d: Diagnosis, f: Finding, own: np.ndarray, target: np.ndarray) -> 
     )
     sums = [0.0, 0.0]
     for fold in range(FOLDS):
+        # every fifth target in all runs and directions: runs of a target that stays in would tell
+        # it
         out = target % FOLDS == fold
         for k, columns in enumerate((np.column_stack([signals, curve]), signals)):
+            # zeros are free; terms of the curve at most three times what they are in the whole fit,
+            # for with few targets left they would grow without bound
             prior = np.concatenate([np.zeros(signals.shape[1]), 1.0 / slab**2])[: columns.shape[1]]
             a = columns[~out] * w[~out, None]
             normal = a.T @ a + np.diag(prior + 1e-12)
@@ -138,6 +143,8 @@ def _size(values: np.ndarray) -> float:
     """mm, the rms of values (N,) where they are: what shows in few of many readings is as large as
     there. That of values spread normally over all of them is their rms."""
     off = values - values.mean()
+    # Fourth moment over three times the second: a share p of readings with the variance s2, and 0
+    # elsewhere, has 3 p s2^2 / (3 p s2) = s2, whatever p.
     square = float(np.mean(off**2))
     return float(np.sqrt(np.mean(off**4) / (3.0 * square))) if square > 0 else 0.0
 
@@ -198,6 +205,7 @@ def _autocorrelated(
         lags = np.arange(1, LAGS + 1)
         r = np.array([z[k:] @ z[:-k] for k in lags]) / (z @ z)
         n = len(z)
+        # Q of Ljung and Box: chi squared of LAGS degrees of freedom where the noise is white
         portmanteau = n * (n + 2) * float(np.sum(r**2 / (n - lags)))
         rms, least = float(np.std(rest[own])), _least(part.unit)
         worth = max(least, OF_EXPLAINED * _size(said["effects"][own]))

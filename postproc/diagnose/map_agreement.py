@@ -190,6 +190,8 @@ def _share(rows: Rows, machine: Machine, ellipses: bool = False) -> tuple[float,
         )
     base = np.stack(columns, axis=1)
     base = base / np.maximum(np.abs(base).max(axis=0), 1e-12)
+    # Columns that say the same (places that go with runs) would make the base singular: they are
+    # left out by the diagonal of R.
     q, r = np.linalg.qr(base)
     q = q[:, np.abs(np.diag(r)) > 1e-8 * max(float(np.abs(r).max()), 1e-30)]
     detail = rows.known - q @ (q.T @ rows.known)
@@ -206,6 +208,7 @@ def _share(rows: Rows, machine: Machine, ellipses: bool = False) -> tuple[float,
     )
     places = min(places, CIRCLE) if rows.state.passage[0] >= 0 else places
     left = y - share * detail
+    # Runs at one target repeat what is not explained there: places count, and not readings.
     freedom = max(places - 3 * len(rows.state.position), 1)
     error = float(np.sqrt(left @ left / power / freedom))
     return share, float(np.hypot(error, _unsure(rows, machine, detail)))

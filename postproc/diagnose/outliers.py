@@ -35,6 +35,8 @@ def departures(
     noise = sigma[order] * np.linalg.norm(share, axis=1)
     for k in range(BESIDE, n - BESIDE):
         near = np.arange(max(BESIDE, k - AROUND), min(n - BESIDE, k + AROUND + 1))
+        # A slip at k has the pattern of that column. A bend at k, |p - p_k|, has one, too: what
+        # leaves less of the departures around is what happened.
         slip, left = _without(share[near, k], off[near])
         _, bent = _without((share @ np.abs(p - p[k]))[near], off[near])
         if np.linalg.norm(bent) <= np.linalg.norm(left):  # the way bends here
@@ -82,6 +84,11 @@ def _shares(p: np.ndarray) -> np.ndarray:
     share = np.zeros((n, n))
     for k in range(BESIDE, n - BESIDE):
         near = [j for j in range(k - BESIDE, k + BESIDE + 1) if j != k]
+        # Lagrange's weights of the other three; of targets at even distances the rows times 6 are
+        #
+        #     1  -4  6  -4  1
+        #
+        # so that a slip of 1 departs by 1, and its neighbours by -2/3 and 1/6.
         for j in near:
             others = [i for i in near if i != j]
             share[k, j] = -np.prod([(p[k] - p[i]) / (p[j] - p[i]) for i in others])

@@ -226,6 +226,7 @@ class _Check:
                 )
                 self.note("t_s is empty: the order of the rows is taken for that of time")
                 continue
+            # so that NaN is bad as well
             bad = ~(np.abs(value) <= limit)
             worst = f"{value[np.flatnonzero(bad)[0]]:.3g}" if bad.any() else ""
             self.without(
@@ -344,6 +345,8 @@ class _Check:
             spread = float(np.std(cmd))
             if spread < 0.05:
                 continue
+            # regression of actual on commanded: 1 of an axis that follows, 25.4 of one logged in
+            # another unit
             slope = float(np.mean((cmd - cmd.mean()) * (act - act.mean()))) / spread**2
             apart = float(np.std(act - cmd)) / spread
             if apart > 0.5 or abs(slope - 1) > 0.2:

@@ -67,6 +67,7 @@ def steps(rows: Rows, units: list[Unit]) -> list[tuple[np.ndarray, float] | None
     result: list[tuple[np.ndarray, float] | None] = []
     for unit, number, (at, size) in zip(units, file, found, strict=True):
         others = [found[k][1] for k in np.flatnonzero(file == number)]
+        # of all signals of the recording: the same electronics read them
         together = np.concatenate(others) > 0
         rarer = min(np.count_nonzero(together), np.count_nonzero(~together))
         several = sum(len(o) > 0 for o in others) > 1  # one alone may be a place that is passed
@@ -147,6 +148,10 @@ def _levels(rows: Rows, unit: Unit, fewest: int) -> np.ndarray | None:
         return None
     if _at_places(rows, unit, at, size > 0):
         return None
+    #     at:        at[0]    at[1]       at[2]
+    #           ------|   .------|    .-----|          level -0.5, 0.5, -0.5, 0.5
+    #                 '--'       '---'
+    # How far the two lie apart is the coefficient of this column, its sign included.
     level = np.repeat(np.arange(len(at) + 1), np.diff([0, *at, n])) % 2
     return level - 0.5
 

@@ -48,6 +48,7 @@ def _hangs(v: np.ndarray, everywhere: np.ndarray) -> tuple[np.ndarray, str] | No
     rows = everywhere[begin : begin + times]
     said = f"reads {v[begin]:.4g} degrees {times} times in a row"
     if 0 < begin < len(v) - times:
+        # only the stretch: readings on both sides of it bracket what it was
         return rows, f"{said}, and changed before and after"
     others_too = np.setdiff1d(everywhere, rows)
     return np.concatenate([rows, others_too]), f"{said}, and changed " + (

@@ -43,11 +43,13 @@ def named(key: str) -> str:
 def number(value: float, low: float, high: float) -> tuple[str, str, str]:
     """Value and interval with two digits of half the interval; with four digits where there is
     none."""
+    # Two digits of the half width: 12.34 +- 0.56, and no digit beyond what is known.
     half = (high - low) / 2
     if not math.isfinite(half) or half <= 1e-9 * max(abs(value), 1e-12):
         return f"{value:.4g}", "", ""
     decimals = min(max(1 - math.floor(math.log10(half)), 0), FINEST)
     three = [f"{v:.{decimals}f}" for v in (value, low, high)]
+    # no "-0.0"
     first, second, third = (text.lstrip("-") if float(text) == 0 else text for text in three)
     return first, second, third
 
@@ -98,6 +100,7 @@ def parameters(
 
 def _meaning(text: str) -> tuple[str, str]:
     """Unit and what it means, of a line of PARAMETERS; without what other values would mean."""
+    # PARAMETERS hold "um, what it means; what other values mean"
     unit, _, rest = text.partition(", ")
     if re.match(r"number of|\d+ or", unit):
         unit, rest = "", text
@@ -136,6 +139,7 @@ def _label(name: str, unit: str) -> str:
 def limits(sizes_mm: dict[str, float], most_mm: float = 1.0) -> str:
     """effect:axis to mm as sizes in um, the smallest first, with the names that share one."""
     groups: dict[str, dict[str, list[str]]] = {}
+    # one digit: of a limit of detection no more is meant, and names gather under it
     for key, size in sorted(sizes_mm.items(), key=lambda item: (float(f"{item[1]:.1g}"), item[0])):
         if size < most_mm:
             effect, _, axis = key.partition(":")
