@@ -241,9 +241,12 @@ def _recognised(source: Source, among: Iterable[str]) -> str:
 def _format_of(source: Source, options: ReadingOptions | None) -> str:
     if not source.data.strip():
         raise source.fault(1, "the file is empty")
+    # gcomp's own first: its columns would fit other formats as well, and its head says what it is
     if load("contract").recognises(source):
         return "contract"
     options = options or ReadingOptions()
+    # What a person says of the columns comes before what the file looks like: the same file may
+    # hold headings that another format knows by other meanings.
     if options.columns:
         takers = [n for n in names() if "columns" in getattr(load(n), "TAKES", ())]
         return _recognised(source, takers) or "mapped-csv"
@@ -310,6 +313,7 @@ def _with_unused(recording: Recording, module: ModuleType, options: ReadingOptio
     idle = [
         f"--{OPTION.get(n, n)}" for n in options.given() if n not in getattr(module, "TAKES", ())
     ]
+    # An option without effect would be taken for one that was obeyed.
     if not idle:
         return recording
     what = (

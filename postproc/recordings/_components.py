@@ -14,6 +14,11 @@ from postproc.recordings import AXES, ReadingOptions, RecordingError, Source
 from postproc.recordings import _units as units
 from postproc.recordings._units import ANGLE, LENGTH, Unit
 
+#     E  X  Z      E  B  Z
+#     |  |  |         |
+#     |  |  axis      rotation about Y
+#     |  direction
+#     error, actual - commanded
 LINEAR, ROTARY = "XYZ", "ABC"
 TURNS = dict(zip(ROTARY, LINEAR, strict=True))
 COMPONENT = re.compile(r"E([XYZABC])([XYZABC])")
@@ -75,6 +80,7 @@ def component_of(
             "say --axis Z, or what was measured, like --component EXZ",
             place,
         )
+    # one component only: EZZ of a line, ECC of a table
     if quantity == "displacement" or (quantity == "angle" and axis in ROTARY):
         return parsed(f"E{axis}{axis}")
     directions = {"straightness": LINEAR.replace(axis, ""), "angle": ROTARY}
@@ -164,6 +170,7 @@ def unit_for(
     one of this component.
     """
     kind = QUANTITY_OF[component.quantity]
+    # Of two that differ neither is taken: a factor of 25.4 or 1000 looks like a machine.
     stated = units.named(options.unit) if options.unit else None
     if stated and said and stated.factor != said.factor:
         raise UsageError(

@@ -70,6 +70,7 @@ class Named:
         """The run of a column forward or reverse: odd ones forward where both are there."""
         way, count, _ = self.ways[name]
         n = int(count or 1)
+        # forward1 reverse1 forward2 reverse2: runs 1 2 3 4
         return 2 * n - (way == "forward") if len({w for w, *_ in self.ways.values()}) == 2 else n
 
     def sign_of(self, name: str) -> int:
@@ -100,6 +101,7 @@ def columns(
 def _first_of_numbers(table: text.Table, columns: list[int]) -> int:
     """Index of the first row that has a number in one of the columns; 0: none has."""
     for k, (_, cells) in enumerate(table.rows):
+        # columns by numbers alone: lines of words above the table are passed over
         if any(table.numeric(cell_of(cells, j)) for j in columns):
             return k
     return 0
@@ -110,6 +112,7 @@ def _heading_row(source: Source, table: text.Table, headings: list[str]) -> int:
     for k, (_, cells) in enumerate(table.rows):
         if not _lacking(headings, cells):
             return k
+    # the row that lacks fewest of them is the one that was meant: its names help most
     line, cells = min(table.rows[:30], key=lambda row: len(_lacking(headings, row[1])))
     raise source.fault(
         line,

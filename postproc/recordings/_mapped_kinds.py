@@ -53,6 +53,7 @@ def read(
             f"--head '{key} = ...'; {advice}",
         )
 
+    # as a file of its own would be, but for the advice: what a head lacks is said by --head here
     contract.check_head({**head, "kind": kind}, fault)
     words = TEXTS if kind == "features" else set()
     arrays, lines = _columns(source, table, top, at, words)
@@ -132,6 +133,9 @@ def _circle(
                 "a circle has two: --head 'centre = { X = 400.0, Y = 300.0 }'",
             )
         angle = np.radians(arrays.pop("angle_deg"))
+        #      second |     * angle_deg, counter-clockwise from the first
+        #             |   /
+        #             | /________ first         letters as `centre` names them
         for letter, part in zip(letters, (np.cos(angle), np.sin(angle)), strict=True):
             arrays[f"{letter}_cmd_mm"] = head["centre"][letter] + head["radius_mm"] * part
     if "t_s" not in arrays:

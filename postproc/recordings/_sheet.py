@@ -82,6 +82,12 @@ def find(source: Source, table: text.Table) -> Sheet:
         raise source.fault(table.rows[0][0], "there is no row of numbers: no target and readings")
     width = len(table.rows[top][1])
     bottom = top
+    #     Machine; mill-7            before: key and value
+    #     ;Run 1;;Run 2;             names pairs of columns
+    #     Target;up;down;up;down     headings
+    #     0;0.1;0.4;...              top
+    #     ...
+    #     mean; ...                  bottom: its first cell is no number
     while bottom < len(table.rows) and _belongs(table, table.rows[bottom][1], width):
         bottom += 1
     headings, used = _headings(table, top, width)
@@ -116,12 +122,14 @@ def _headings(table: text.Table, top: int, width: int) -> tuple[list[str], int]:
     *upper, lower = ((cells + [""] * width)[:width] for cells in rows)
     if not upper or not _heads_runs(rows[0]):
         return lower, 1
+    # a merged cell stands in the first of its columns, and is empty in the others
     spread: Iterable[str] = itertools.accumulate(upper[0], lambda last, cell: cell or last)
     return [" ".join(filter(None, pair)) for pair in zip(spread, lower, strict=True)], 2
 
 
 def _direction(title: str) -> tuple[int, bool]:
     """Sign and relative of the one word of direction in a heading; (0, False) where it has none."""
+    # Brackets hold units, "(mm)", and now and then a sign, "(+)": of these only the sign is kept.
     plain = re.sub(
         r"[(\[][^()\[\]]*[)\]]",
         lambda m: m[0] if re.fullmatch(r"[(\[]\s*[-+↑↓\u2212]\s*[)\]]", m[0]) else " ",
@@ -198,6 +206,7 @@ def position_factor(
             " position_unit=...)"
         )
         return 1.0
+    # targets in um or arcsec: rather a column of readings that was taken for the targets
     if unit.name not in POSITION or (unit.name == "deg") != rotary:
         text_ = (
             f"the targets are in {unit.name}, and the axis is {'rotary' if rotary else 'linear'}"

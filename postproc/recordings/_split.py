@@ -37,6 +37,7 @@ def better_split(
     left = np.array([_left(table, split) for split in others])
     mine = _left(table, own)
     best = int(np.argmin(left))
+    # a made-up table of exact numbers leaves 0 by the right split and by others: nothing to say
     floor = 1e-9 * float(np.sum((table - table.mean(axis=0)) ** 2))
     if mine <= max(floor, CLEARLY * left[best]):
         return None
@@ -66,12 +67,14 @@ def _table(run, target, value, numbers) -> np.ndarray | None:
 def _splits(n: int) -> np.ndarray:
     """(M, n) of +1 and -1, half and half (one over where n is odd), the first always +1."""
     if n <= EVERY:
+        # A split and its opposite are the same: the first run is always in. 12 runs: 462 splits.
         sizes = {n // 2, n - n // 2}
         picks = [c for size in sizes for c in itertools.combinations(range(n), size) if 0 in c]
         result = -np.ones((len(picks), n))
         for row, pick in zip(result, picks, strict=True):
             row[list(pick)] = 1.0
         return result
+    # alternating, half by half, and in pairs, as people do it; then some by chance to compare with
     rng = np.random.default_rng(230)
     half = np.where(np.arange(n) < n // 2, 1.0, -1.0)
     parity = np.where(np.arange(n) % 2 == 0, 1.0, -1.0)
@@ -82,6 +85,7 @@ def _splits(n: int) -> np.ndarray:
 def _left(table: np.ndarray, split: np.ndarray) -> float:
     """Sum of squares that a mean per target, the split and (from six runs on) a drift leave."""
     n = len(table)
+    # (R, 2 or 3) times (3, K): each target has its mean, its half reversal and its drift
     design = [np.ones(n), split]
     if n >= 6:
         design.append(np.arange(n) - (n - 1) / 2)

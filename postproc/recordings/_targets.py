@@ -152,13 +152,18 @@ def _order(run: np.ndarray, target: np.ndarray, sign: np.ndarray, line: np.ndarr
     """(N,) rows in the order of time where no times are known: that of the file, where each row is
     one reading and the rows go as the axis went; else run by run, its first direction first, and in
     each as the axis went."""
+    #     run  1  1  1  1  1  1     a run there and back: its first direction first, then the other,
+    #     sign +  +  +  -  -  -     targets rising in + and falling in -
+    #     x    0  50 99 99 50 0
     passes = np.lexsort((np.arange(len(run)), sign, run))
     same = (np.diff(run[passes]) == 0) & (np.diff(sign[passes]) == 0)
     onward = (np.diff(target[passes]) * sign[passes][1:])[same] > 0
+    # Each pass goes as the axis went: the file's own order is that of time, and stays.
     if (np.diff(line) > 0).all() and (np.diff(run) >= 0).all() and onward.all():
         return np.arange(len(run))
     first = {int(r): sign[run == r][0] for r in np.unique(run)}
     second = sign != np.array([first[int(r)] for r in run])
+    # the last key counts first
     return np.lexsort((target * sign, second, run))
 
 
@@ -220,6 +225,7 @@ def _follows(target: np.ndarray, raw: np.ndarray) -> Iterator[str]:
     """Readings that follow the targets."""
     if len(raw) <= 2 or np.ptp(target) <= 0:
         return
+    # in the file's own unit: positions in the place of deviations have the slope 1 there
     slope = float(np.polyfit(target - target.mean(), raw, 1)[0])
     if abs(abs(slope) - 1) < 0.02:
         yield (

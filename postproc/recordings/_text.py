@@ -16,6 +16,7 @@ from postproc.recordings import RecordingError, Source
 
 NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]{1,3})?")
 COMMA = re.compile(r"[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]{1,3})?")
+# 1,234 may be 1.234 or 1234; 0,123 and 12,5 are decimals
 THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
 LINE_END = re.compile(r"\r\n|\n|\r")
 DELIMITERS = {"\t": "tab", ";": "semicolon", "|": "bar", ",": "comma"}
@@ -42,6 +43,7 @@ def decoded(source: Source, tries: Sequence[str] = ("cp1252",)) -> tuple[str, li
                     1, "the file begins as UTF-16 and does not go on as it", "save it as UTF-8"
                 ) from None
     try:
+        # with or without a mark at the front, as spreadsheets on Windows write it
         return source.data.decode("utf-8-sig"), []
     except UnicodeDecodeError as error:
         first = error.start
@@ -108,6 +110,7 @@ def decimal_of(
     if comma and "point" in first:
         both = f"{comma} has a decimal comma and {first['point'][1]} a decimal point"
         raise source.fault(line, f"decimal commas and points are mixed: {both}", advice)
+    # every number with a comma could be one of thousands
     if comma and "comma" not in first:
         return ",", [f"{comma} is read as {comma.replace(',', '.')}, with a decimal comma"]
     return ("," if comma else "."), []
@@ -251,6 +254,7 @@ def _filled_lines(source: Source, text: str) -> list[tuple[int, str]]:
 def _numbers(cells: list[str]) -> list[str]:
     """The cells that look like numbers, where they are two at least: one alone may be a version or
     a serial number."""
+    # version 4.13 and serial 12,345 stand above many tables; they would decide for all of it
     alike = [
         c
         for c in cells

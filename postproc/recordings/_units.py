@@ -85,6 +85,7 @@ USUAL = {LENGTH: (0.5, 1000.0), ANGLE: (0.5, 3000.0)}  # um, urad: range of most
 BAND_TEXT = {LENGTH: "0.1 um to 5 mm", ANGLE: "0.1 urad to 20 mrad"}
 
 BRACKETS = re.compile(r"[(\[]\s*([^()\[\]]+?)\s*[)\]]")
+# "dzz_mm", "Deviation in arcsec", "error / um", "Up 1 um"
 TAIL = re.compile(r"(?:_|\bin\s+|/\s+|\s)([^\s_]+)\s*$")
 
 
@@ -111,6 +112,7 @@ def in_heading(text: str) -> Unit | None:
         if unit := unit_of(found):
             return unit
     tail = TAIL.search(text)
+    # "in" is inches in brackets, and a word here
     return unit_of(tail[1]) if tail and tail[1].lower() != "in" else None
 
 
@@ -144,6 +146,7 @@ def outside(spread: float, quantity: str, taken: Unit | None = None) -> str | No
     )
     if taken is None:
         return f"{what}: is the unit right?"
+    # urad and um/m, mrad and mm/m have one factor each: named once
     seen: set[float] = {taken.factor}
     slips = []
     for unit in UNITS.values():

@@ -19,6 +19,13 @@ from xml.etree import ElementTree
 from postproc import intake
 from postproc.errors import GcompError, Place, UsageError
 
+# What of the archive is read:
+#
+#     xl/workbook.xml             sheet: name, r:id; date1904
+#     xl/_rels/workbook.xml.rels  r:id -> xl/worksheets/sheet1.xml
+#     xl/worksheets/sheet1.xml    worksheet > sheetData > row r="3" > c r="B3" t="s" s="1" > v
+#     xl/sharedStrings.xml        sst > si: t="s" counts them from 0
+#     xl/styles.xml               cellXfs: s counts them from 0, numFmtId says whether it is a time
 MAGIC = b"PK\x03\x04"
 MOST_ROWS = 1 << 20  # rows of a sheet, by the format
 WIDEST = 1 << 14  # columns
@@ -81,9 +88,11 @@ def _only_filled(texts: dict[str, str], name: str, error: type[GcompError]) -> s
 
 def _bytes(book: zipfile.ZipFile, name: str, most: int) -> bytes:
     """A part, unpacked. Raises ValueError for one of more than `most` bytes, or with entities."""
+    # The size is what the archive says; zipfile unpacks no more than that.
     if book.getinfo(name).file_size > most:
         raise ValueError(f"{name} has more than {most:,} bytes")
     data = book.read(name)
+    # Entities that hold each other grow a few bytes to gigabytes when they are read.
     if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
         raise ValueError(f"{name} declares entities, which no spreadsheet does")
     return data
@@ -107,6 +116,7 @@ def _each(book: zipfile.ZipFile, name: str, tag: str, depth: int) -> Iterator[El
         above.pop()
         if element.tag == MAIN + tag:
             yield element
+        # What is read is forgotten with its row: all elements of a long sheet would fill the memory.
         if len(above) <= depth:
             held = 0
             for parent in above:
@@ -212,6 +222,7 @@ def _value(
         return value
     style = int(cell.get("s", "0"))
     if any(times[style : style + 1]):
+        # days since day 0, of which a float64 holds about a microsecond: rounded to a millisecond
         moment = first + datetime.timedelta(milliseconds=round(float(value) * 86_400_000))
         return moment.isoformat(timespec="milliseconds" if moment.microsecond else "auto")
     if LONG.fullmatch(value):

@@ -196,6 +196,8 @@ def _one(
     said = _one_unit(source, name, rows)
     unit = components.unit_for(options, source, component, said, rows[0].line)
     notices += _of_directions(rows, options)
+    # Directions are in the file and turned already; unit and axis were asked for above. What is
+    # left to be heeded is where the others stood.
     heed = ReadingOptions(
         component=name, others=options.others, machine=options.machine, head=options.head
     )
@@ -224,6 +226,7 @@ def _places(
     columns: dict[str, list[float]] = {}
     for key, column in (PLACES | TEMPERATURES).items():
         has = [row.numbers[key] for row in rows if key in row.numbers]
+        # a column with gaps would need numbers that nobody has read
         if has and len(has) < len(rows):
             notices.append(f"{component.name}: {key} is not in every row: left out")
         elif has and column == component.position:

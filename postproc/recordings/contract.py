@@ -83,6 +83,8 @@ def write(recording: Recording) -> str:
 
 def _format(name: str):
     if name in ("run", "sense", "line", "part", "reading") or name.startswith("approach_"):
+        # Counts and signs as whole numbers, lengths to a nanometre, readings to 0.1 nm. NaN is an
+        # empty cell, as it was read.
         return lambda v: "" if math.isnan(v) else f"{int(v)}" if float(v).is_integer() else f"{v:g}"
     digits = 6 if name.endswith(("_mm", "_deg", "_s")) else 4
     return lambda v: "" if math.isnan(v) else f"{v:.{digits}f}".rstrip("0").rstrip(".")
@@ -93,6 +95,7 @@ def _head(
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
     """The head, with those keys of `more` that it does not say itself; a notice for each of the
     others whose value is another."""
+    # Line n of the document is line n of the file, so that TOML's own messages name the right one.
     document = "\n".join(line[2:] if line.startswith("# ") else line[1:] for line in lines)
     try:
         head = intake.toml(document)
@@ -218,6 +221,7 @@ def _needed_moving(head: dict[str, Any], names: list[str], place: Place) -> set[
     position = {x: f"{x}{suffix}_{'mm' if x in 'XYZ' else 'deg'}" for x in AXES}
     axes = [x for x in AXES if position[x] in names]
     if not axes:
+        # one name with semicolons in it: a spreadsheet of a country of decimal commas has saved it
         if other := next((d for d in ";\t" if len(names) == 1 and d in names[0]), ""):
             raise RecordingError(
                 f"the columns are parted by {'tabs' if other == chr(9) else 'semicolons'}",

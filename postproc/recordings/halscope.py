@@ -22,6 +22,8 @@ from postproc.units import UM
 TITLE = "LinuxCNC halscope log (Sampling period is ..., then pin and value by turns)"
 TAKES = ("unit", "columns", "machine", "head")
 EXTRA = {"joints": "letters of joints 0, 1, 2 ...: XYZ, or XZ on a lathe"}
+#     Sampling period is 1000000 ns
+#     joint.0.pos-cmd +1.250 joint.0.pos-fb +1.249        one line to each sample
 HEAD = re.compile(r"Sampling period is\s+([0-9]+)\s*ns\s*")
 VALUE = r"([^\s]+)\s+([-+]?[0-9]+(?:[.,][0-9]+)?)"
 PAIR = re.compile(rf"\s*{VALUE}(?=\s|$)")

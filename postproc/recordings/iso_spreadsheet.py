@@ -29,6 +29,9 @@ EXTRA = {
     "decimal": ". or ,: the decimal sign, where it is not clear",
     "position_unit": "mm, inch or deg: of the targets",
 }
+#     interleaved   target | up 1 | down 1 | up 2 | down 2      runs 1 2 3 4
+#     blocks        target | up 1 | up 2 | down 1 | down 2      runs 1 3 2 4
+#     long          target | run | direction | deviation        one reading a row
 LAYOUTS = ("interleaved", "blocks", "long")
 LONG = {
     "target": re.compile(r"target|position|nominal|soll", re.I),
@@ -262,6 +265,8 @@ def _signs(columns: list[_sheet.Column], options: ReadingOptions, place: Place) 
             " down), or --bidirectional no",
             place,
         )
+    # a mean in an odd column would be taken for a run, and all runs behind it for the other
+    # direction
     if n % 2:
         raise RecordingError(
             f"{n} columns of readings are no pairs of there and back",

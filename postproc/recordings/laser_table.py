@@ -101,6 +101,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
         "date": before.get("date", ""),
         "environment": noted or None,
     }
+    # no direction is written; runs go as the list of targets goes, so it is the one of the first
     first = 1 if not found or found[-1][2] >= found[0][2] else -1
     return targets.recording(
         source, options, component, unit, readings, head, [*notices, *more], faults, first
@@ -115,6 +116,7 @@ def _run(title: str) -> int:
 
 def _keys(lines: list[str], lower: bool = True) -> dict[str, str]:
     pairs = [line.partition(":") for line in lines if ":" in line]
+    # reversed, so that of a key that stands twice the first one is kept
     return {(k.strip().lower() if lower else k.strip()): v.strip() for k, _, v in reversed(pairs)}
 
 
@@ -123,6 +125,8 @@ def _rows(source: Source, lines: list[str], top: int, end: int) -> list[tuple[in
     rows = []
     for i in range(top, end):
         if i > top and not re.match(r"\s*[-+\u2212]?[.,]?[0-9]", lines[i]):
+            # A row of targets that begins with no number, and numbers below it: a slip, not the
+            # end.
             goes_on = any(re.match(r"\s*[-+]?[0-9]", x) for x in lines[i + 1 : end])
             if lines[i].strip() and goes_on and "\t" in lines[i]:
                 raise source.fault(

@@ -46,6 +46,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     rows = _rows(source)
     first = Place(source.name, 1)
     if not kind:
+        # over the whole table: actual positions go with the nominal ones, trims do not
         slope = abs(rows[-1][2] - rows[0][2]) / max(abs(rows[-1][1] - rows[0][1]), 1e-9)
         hint = (
             "the columns follow the nominal one: they look like type 0"
@@ -89,6 +90,9 @@ def _readings(
 ) -> Iterator[tuple[int, float, float, int, int]]:
     """Run, target in mm, deviation in the file's unit, line and direction. scale: mm of a unit.
     Raises RecordingError for what is no deviation of a screw."""
+    #     nominal  forward  reverse
+    #     100.0    100.012  100.009      type 0: deviation = entry - nominal = +0.012
+    #     100.0    -0.012   -0.009       type 1: deviation = -entry
     for run, sign, column in ((1, 1, 2), (2, -1, 3)):
         for row in rows:
             line, nominal, entry = int(row[0]), row[1], row[column]

@@ -109,6 +109,7 @@ def _targets(source, options, table, top, at, notices) -> Recording:
         )
     if "t_s" in at and not named.ways:
         readings = replace(readings, t=_times(source, table, rows, at["t_s"]))
+    # Turned already: heeded once more, --first - would turn it back.
     heed = replace(options, first=0, bidirectional=None) if relative else options
     return targets.recording(source, heed, component, unit, readings, {}, notices, faults)
 
@@ -118,6 +119,7 @@ def _readings(
 ) -> targets.Readings:
     """The readings of all rows; `own`: the position of the axis that moved; first: sign of
     forward, 0: +."""
+    # deviation = actual - target, in the unit of the reading
     per = _actual_factor(unit, own) if named.actual else None
     taken = [(row, name) for row in rows for name in named.readings if name in row.numbers]
 

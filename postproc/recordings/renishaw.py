@@ -23,7 +23,23 @@ from postproc.recordings._units import UNITS, Unit
 TITLE = "Renishaw laser text (.rtl linear, .rta angular, .rts straightness)"
 TAKES = ("axis", "component", "unit", "bidirectional", "first", "others", "machine", "head")
 EXTRA = {"decimal": ". or ,: the decimal sign, where the file has both"}
+# GBK first: cp1252 takes nearly any bytes, and nothing would be left for it
 ENCODINGS = ("gbk", "cp1252")
+#     HEADER::
+#     ...
+#     TARGET DATA::
+#     Target-count: 3
+#     Targets :
+#     0.0 50.0
+#     100.0
+#     Flags: 0 0 2 0
+#     RUNS::
+#     Run-count: 2
+#     DEVIATIONS::
+#     Run Target Data:
+#     1 1 0.2               run, number of the target from 1, deviation
+#     2 3 -0.1
+#     EOF::
 SECTION = re.compile(r"([A-Z][A-Z -]*)::\s*")
 ROW = re.compile(r"([0-9]{1,6})\s+([0-9]{1,6})\s+(\S+)")
 KINDS = {"rtl": "displacement", "rta": "angle", "rts": "straightness"}
@@ -259,6 +275,7 @@ def _missing(found, rows, n_targets, runs, faults, notices) -> None:
     if not runs:
         runs = max(run for run, _ in rows)
         notices.append(f"Run-count is not stated: {runs} runs, as the rows number them")
+    # a mistyped Run-count of 100,000 would list millions of readings one by one
     if runs * n_targets > 10 * len(rows) + 1000:
         notices.append(
             f"{len(rows)} readings of {runs} runs x {n_targets} targets: the rest is missing"

@@ -22,6 +22,7 @@ from postproc.units import UM
 TITLE = "Renishaw laser record of a motion (.rtx)"
 TAKES = ("axis", "unit", "others", "machine", "head")
 EXTRA = {"command": "still: the axis stood; line: it moved evenly, a straight line is laid through"}
+#     HEADER:: ... Actual sample rate: 1000 ... Data:\n | float64 | float64 | ... | [\r\n] EOF::
 BEGIN = re.compile(rb"(?:^|\n)Data:[ \t]*\r?\n")
 END = b"EOF::"
 HEADER_MOST = 1 << 16
@@ -48,12 +49,14 @@ def _keys(lines: list[str]) -> dict[str, tuple[str, int]]:
 
 def _samples(source: Source, begin: int, at: Place, notices: list[str]) -> np.ndarray:
     """(N,) the numbers of 8 bytes from byte `begin` to the end. Raises RecordingError."""
+    # from the end: five bytes like these may stand in the numbers
     end = source.data.rfind(END)
     if end < begin:
         notices.append("there is no EOF:: at the end: the file may be cut off")
         end = len(source.data)
     block = source.data[begin:end]
     over = len(block) % 8
+    # a line end before EOF:: is no part of the last number
     if over and end < len(source.data) and block[-over:] in (b"\r\n", b"\n"):
         block = block[:-over]
     elif over:
@@ -175,6 +178,8 @@ def _command(position: np.ndarray, options: ReadingOptions, at: Place) -> np.nda
     if how == "still":
         return np.full(len(position), float(np.median(position)))
     if how == "line":
+        # what the line takes off is a lag and an error of the scale as well: neither can be told
+        # here
         x = np.linspace(-1.0, 1.0, len(position))
         return np.polyval(np.polyfit(x, position, 1), x)
     if how:

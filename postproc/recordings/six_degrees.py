@@ -21,6 +21,8 @@ from postproc.units import URAD
 TITLE = "six degrees of freedom (X_mm,EXX_um,EYX_um,EZX_um,EAX_urad,EBX_urad,ECX_urad)"
 TAKES = ("component", "others", "machine", "head")
 EXTRA = {"decimal": ". or ,: the decimal sign, where it is not clear"}
+#     X_mm | EXX_um        EYX_um EZX_um    EAX_urad  EBX_urad  ECX_urad
+#            positioning   straightness     roll      pitch     yaw
 COMPONENT = re.compile(r"E([XYZABC])([XYZ])_(um|urad|arcsec)")
 # Names that would be components in a unit that is not read
 LIKE = re.compile(r"E[XYZABC][XYZABC](_.*)?", re.IGNORECASE)
@@ -112,6 +114,7 @@ def _component(
     head = {
         "instrument": "six degrees of freedom",
         "quantity": quantity,
+        # an angle's is the axis that it is about
         "sensitive": {"XYZ"["ABC".index(direction)] if angle else direction: 1.0},
         **options.head,
     }
