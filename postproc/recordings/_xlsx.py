@@ -116,7 +116,7 @@ def _each(book: zipfile.ZipFile, name: str, tag: str, depth: int) -> Iterator[El
         above.pop()
         if element.tag == MAIN + tag:
             yield element
-        # What is read is forgotten with its row: all elements of a long sheet would fill the memory.
+        # What is read is forgotten with its row: all elements of a long sheet fill the memory.
         if len(above) <= depth:
             held = 0
             for parent in above:
