@@ -153,6 +153,7 @@ class Account:
         known."""
         parts = list(self.parts)
         at = next((i for i, part in enumerate(parts) if part.line.number == number), None)
+        # the refused one and the one behind it, which begins where the refused one did not go
         for part in parts[at : at + 2] if at is not None else ():
             self._over -= part.block and part.answered
             part.block, part.places = False, ()

@@ -104,6 +104,7 @@ class Before:
         if value in (3, 4, 5):
             self.spindle = f"M{value:g}"
         elif value == 6:
+            # T chooses, M6 puts in: a T behind the last M6 only waits in the changer
             self.loaded = self.tool
         elif value in (7, 8):
             self.coolant = sorted({*self.coolant, f"M{value:g}"})

@@ -85,6 +85,8 @@ def steps(pause: bytes, park: Macro, touch: Macro) -> Iterator[tuple[str, int, b
     yield from ((park.name, number, text) for number, text in park.rows)
     yield "", 0, pause
     for number, text in touch.rows:
+        # G4 first, for $# is answered only at rest; the answer holds [PRB:x,y,z:1] of the last
+        # probe
         if LONGER in text:
             yield from (("", 0, question) for question in (SYNC, *QUESTIONS))
         yield touch.name, number, text
@@ -113,6 +115,7 @@ class Longer:
                     " is not known",
                     "put G38.2 before it in the file of --touch-off",
                 ) from None
+            # All tools touch one plate: a tool that is 3 mm longer stops with Z 3 mm higher.
             self.first = z if self.first is None else self.first
             value = z - self.first
         return text.replace(LONGER, f"{value:.3f}".encode())

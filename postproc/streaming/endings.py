@@ -12,6 +12,20 @@ from postproc.streaming.outcome import Outcome
 from postproc.streaming.path import Path
 from postproc.streaming.protocols import Protocol
 
+# How the sender comes to one of these (sender.py):
+#
+#     RUNNING <---- resume, CLEAR ----> HELD          lines leave only in RUNNING
+#        |   hold, LOOK, on_error "ask"  |
+#        +---------------+---------------+
+#                        |  refused, altered, off the path, stalled: a hold is ordered
+#                        v
+#                     HALTING --- it stands, or the grace is over ---> outcome
+#                        |  stop: a reset, what was sent is dropped
+#                        v
+#                     STOPPING -- restart seen, or the grace is over --> outcome
+#
+# Silence and a lost port end it at once; an alarm and a restart, too, but in STOPPING, where they
+# are what the stop was to bring about.
 LOOK = (
     "what the controller has received it may still execute; check where it stands before you"
     " restart"

@@ -178,11 +178,14 @@ class Greeting:
             self._fail(*(said if heard else NO_ANSWER))
         elif self._pokes and now >= self._poked + POKE_EVERY:
             self._out += self._pokes[0]
+            # by turns, one at a time: answers to two of them at once would be read as one
             self._pokes = [*self._pokes[1:], self._pokes[0]]
             self._poked = now
 
     def _choose(self, name: str, now: float) -> None:
         kind = protocols.load(name).PROTOCOL
+        # A second object reads the greeting, so that what stands in it answers none of our
+        # questions.
         heard = kind().receive(self.banner.encode("latin-1") + b"\n")
         self.restarted = self.restarted or any(isinstance(event, Restarted) for event in heard)
         self.protocol = kind(counting=self.counting)

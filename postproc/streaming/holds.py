@@ -55,6 +55,9 @@ class Hold:
 
     def _moves(self, was: bool, state: str) -> str:
         """What it means that it does not hold. was: it did by the report before."""
+        #     it held             we ordered it   somebody else did
+        #     now it runs         RESUMED         RESUMED
+        #     now it is idle      still held      RESUMED
         if was and (self.foreign or (self.ordered and state == "run")):
             self.release(self.since)
             return RESUMED

@@ -226,6 +226,7 @@ def _set_restart(past: Past, recent: list[dict[str, Any]]) -> None:
 
 def begins(past: Past, first: int) -> int:
     """The source line with which to begin again where the line recent[first] may not be over."""
+    # Lines that move count alone: dwells and M words are no margin.
     left, back = MARGIN, first
     while back > 0 and left:
         back -= 1
@@ -241,6 +242,8 @@ def way(past: Past) -> list[tuple[int, list[Spot]]] | None:
     """Where the machine may have stopped: for every line from the last that is surely over its
     index in `recent`, and its places from where the one before ends. None: it is not known."""
     first = max(past.first - 1, 0)
+    # All is over up to `first`: the machine stands where that line ends, or on its way from there
+    # on.
     start = (
         past.place
         if past.executed == 0

@@ -37,6 +37,8 @@ class LineEstimate:
         if status is None or not moving:
             return None, 0.0
         if status.free:
+            # The planner holds the last ones that were answered; the oldest of these is in
+            # execution.
             planned = min(blocks - 1 - status.free[0], len(answered))
             if planned <= 0:
                 return None, 0.0

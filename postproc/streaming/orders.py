@@ -130,6 +130,7 @@ def _jog(words: list[str]) -> bytes:
         raise UsageError(
             "jog needs an axis and a way", "gcomp control --port P jog Z5: 5 mm up from here"
         )
+    # A jog has modes of its own, in its line alone: the program's stay as they are.
     return f"$J=G91 G21 {' '.join(moves)} F{feed:g}".encode()
 
 

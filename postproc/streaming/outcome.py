@@ -13,6 +13,8 @@ DONE, ERROR, ALARM, RESET, DISCONNECTED, STALLED, ABORTED = (
 )  # fmt: skip
 DRIFT, ALTERED, SENT, FAILED = "drift", "altered", "sent", "failed"
 STATUS = {
+    # Exit statuses, one to each kind, so that a script knows what to do; 130: as a shell says of
+    # SIGINT; 17: all was sent on a link that confirms nothing.
     DONE: 0, ERROR: 10, ALARM: 11, RESET: 12, DISCONNECTED: 13, STALLED: 14, DRIFT: 15, ALTERED: 16,
     SENT: 17, ABORTED: 130, FAILED: 1,
 }  # fmt: skip

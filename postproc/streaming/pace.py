@@ -53,6 +53,7 @@ class Block:
         a, v = self.acceleration, self.rate
         enter, leave = min(self.entry, v * v), min(leave, v * v)
         peak = min(v * v, (2 * a * self.length + enter + leave) / 2)
+        # up to the peak and down from it: (v_peak - v_enter) / a + (v_peak - v_leave) / a
         ramps = (2 * math.sqrt(max(peak, 0.0)) - math.sqrt(enter) - math.sqrt(leave)) / a
         cruise = self.length - (2 * peak - enter - leave) / (2 * a)
         return max(self.least, ramps + max(cruise, 0.0) / max(math.sqrt(max(peak, STOPS)), STOPS))
@@ -94,6 +95,7 @@ class Pace:
             self.total += wait if line.seconds > 0 else 0.0
         self._n += 1
         if self._n % EVERY == 0:
+            # A sum every 64 lines in the place of one a line: a program may have millions.
             self._sums.append(self.total + self._waiting())
 
     def _motion(self, line: WireLine, start: tuple[float, ...]) -> None:

@@ -32,6 +32,7 @@ def nearest(points: np.ndarray, place: np.ndarray) -> tuple[np.ndarray, float]:
     """The point of a polyline (K, A) that is nearest to a place (A,), and its distance."""
     start, step = points[:-1], np.diff(points, axis=0)
     square = (step**2).sum(axis=1)
+    # foot of the perpendicular on each leg, 0 at its start and 1 at its end, held within the leg
     share = ((place - start) * step).sum(axis=1) / np.where(square > 0, square, 1.0)
     near = start + np.clip(share, 0.0, 1.0)[:, None] * step
     distance = np.linalg.norm(near - place, axis=1)

@@ -83,6 +83,7 @@ class Precheck:
         self.travel = [controller.setting(130 + k, math.inf) for k in order]
         self.soft = controller.setting(20) != 0.0
         mask = controller.setting(23)
+        # $23: bit k set, axis k homes towards minus
         homes = int(mask) if "Z" in controller.flags else 0
         self.reach = [
             (0.0, t) if homes >> k & 1 else (-t, 0.0)
@@ -112,6 +113,7 @@ class Precheck:
             self._goes_by(text)
         if self.grbl:
             self._words(line)
+        # an arc between two ends in reach may bulge beyond the travel
         for place in (*line.points, line.end):
             self._place(place, line)
 
@@ -124,6 +126,7 @@ class Precheck:
                 " the job",
                 "write the program out: --expand, with the --dialect that it was written for",
             )
+            # one over minutes, under G93: an F from before is none there
         if MODES.search(text) and not FEED.search(text):
             self._feed = False if b"93" in text else self._feed
         self._feed = self._feed or bool(FEED.search(text))

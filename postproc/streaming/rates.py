@@ -50,6 +50,7 @@ class Load:
             self._sum[1] -= old[1]
         if len(self._window) == AHEAD:
             time = max(self._sum[1], 1e-9)
+            # s on the wire for each s of motion, over as many lines as buffer and planner even out
             need = self._sum[0] / self.rate / time
             if need > MOST:
                 self.over += line.seconds
@@ -113,5 +114,7 @@ class Clock:
         spent = now - self.started - self.held
         rest = max(0.0, self.expected - self.done) / max(self.rate, 0.1)
         if self.done > 5.0 and spent > 5.0:  # the machine's own pace, once there is enough of it
+            # within a factor of two faster and four slower: the first lines of a job are no measure
+            # of it
             return rest * max(0.5, min(4.0, spent * self.rate / self.done))
         return rest

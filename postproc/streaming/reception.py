@@ -86,6 +86,7 @@ class Reception:
             self.fault = (
                 f"more than {intake.RECEIVED:,} bytes came in: no program is as long as that"
             )
+        # a % that begins a line, and is not the first one: only that one ends the program
         if value == ord("%") and self.lines and self._text.endswith(b"\n%"):
             self._text += b"\n"
             self._closed("%")

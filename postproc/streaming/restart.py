@@ -101,6 +101,8 @@ class Preamble:
         self.row = self.setup.axes.index(self.lift)
         modal = self.modal
         origin = modal.origin if modal.origin is not None else np.zeros_like(modal.position)
+        # The preamble is written in the program's own frame: machine coordinates less the origin,
+        # mm, on a diameter axis doubled (half is 2 there, what a radius is multiplied by).
         self.origin = origin
         self.half = {x: 2 if x in self.setup.diameter else 1 for x in self.setup.axes}
         if "diameter" in self.dialect.groups and modal.codes.get("diameter") in (70, 80):
@@ -129,6 +131,7 @@ class Preamble:
                 f"say it: --safe-{self.lift.lower()}, mm, machine coordinates",
             )
         stands = self.modal.position[self.row] / TICKS_PER_MM
+        # going "out" would go in, across the part
         if stands > top + 1e-9:
             raise UsageError(
                 f"safe {self.lift} {top:g} is below where the program stands, {self.lift}"
@@ -271,6 +274,8 @@ class Preamble:
             lines.append(before.tool)
         length = dict(zip(self.setup.axes, frame.length, strict=True)) if frame is not None else {}
         if any(length.values()):
+            # 431 is G43.1, a length stated in the block: G43 H would take what the control's table
+            # has now
             if any(v for x, v in length.items() if x != "Z") or 431 not in self.dialect.by_number:
                 raise UsageError(
                     "a tool length is in force that gcomp can not restore",

@@ -19,6 +19,7 @@ def _is_shifted(filter_: Filter) -> bool:
     if frame is None:
         return False
     slides = [i for i, x in enumerate(filter_.setup.axes) if x not in filter_.dialect.carried]
+    # the filament's G92 E0 shifts no slide
     preset = frame.preset_on and frame.preset[slides].any()
     return bool(preset or frame.local.any() or frame.trans.any())
 
@@ -47,6 +48,8 @@ def refuse(
     unknown = [x for x, is_known in known if x in "XYZ" and not is_known]
     first = next((t for t in rest.split(b"\n") if MOVES.search(COMMENT.sub(b"", t))), b"")
     earlier = "name an earlier line, before that begins"
+    # Each would make the first motion another one than the program's: a state that the preamble can
+    # not bring back, or a place that is counted from where the machine stood.
     for is_so, message, advice in (
         (modal.ended, "the program has ended before this line", "name an earlier line"),
         (_is_beside(filter_), "cutter radius compensation (G41, G42) is on", earlier),

@@ -101,7 +101,7 @@ class Sender:
         return len(self._queue)
 
     def _insert(self, text: bytes) -> None:
-        self._own -= 1
+        self._own -= 1  # from -1 down: in no tally, journal or account
         self._queue.append(WireLine(self._own, 0, 0, text))
 
     # -- what a person does ------------------------------------------------------------------------
@@ -249,7 +249,7 @@ class Sender:
         late = now - self._ticked - LOOKS
         self._ticked = now
         if late > 0:
-            self._heard += late
+            self._heard += late  # a sleeping laptop finds no hour of silence
             self._moved += late
             self._deadline += late
             if self._idle_since is not None:
@@ -428,7 +428,7 @@ class Sender:
 
     def _halted(self, status: events.Status, now: float) -> None:
         """Where the job ends and the machine stands: the spindle's stop, and the end now."""
-        stands = status.state in ("hold", "idle") and status.detail != "1"
+        stands = status.state in ("hold", "idle") and status.detail != "1"  # Hold:1 still brakes
         if self.state == HALTING and stands and not self.out.urgent:
             if self.spindle_off and status.state == "hold":
                 self.out.urgent += self.protocol.urgent("spindle stop")
@@ -475,7 +475,7 @@ class Sender:
                     silent = f"has answered nothing for {now - self._moved:.1f} s"
                     self._stalled(now, f"it stands still ({status.state}) and {silent}")
             elif asked_after_drain and self.state == RUNNING:
-                self._rests += 1
+                self._rests += 1  # once may be before it moves
                 if self._rests >= 2:
                     self._done(status)
         else:
@@ -504,7 +504,7 @@ class Sender:
     ) -> None:
         """Nothing more leaves; the outcome stands, and is told when the controller has come to
         rest, or the grace is over."""
-        if self._pending is None or state == STOPPING:
+        if self._pending is None or state == STOPPING:  # the first reason stands
             self._pending = outcome
         self._hold.release(now)
         if hold:

@@ -74,6 +74,7 @@ class Source:
 
     def feed(self, data: bytes) -> list[WireLine]:
         """Wire lines of all whole lines so far. Raises ProgramError, Unsendable."""
+        # A line that has not ended may go on: what is behind the last line end waits.
         end = data.rfind(b"\n") + 1
         if not end:
             self._rest += data
@@ -139,6 +140,11 @@ class Source:
         texts = output.split(b"\n")
         if output.endswith(b"\n"):
             texts.pop()
+        #     source line    12                 13       14
+        #     pieces         a  a  a            -        b  b         of motions a and b
+        #     first          1  0  0                     1  0
+        #     added          2                  0        1            lines put in behind the block
+        #     output lines   12 12 12           13       14 14
         first = np.concatenate([[True], pieces.motion[1:] != pieces.motion[:-1]])[: len(pieces)]
         line = words.line[motions.block[pieces.motion]] if len(pieces) else np.zeros(0, np.int64)
         added = np.bincount(line[~first], minlength=n)
@@ -214,6 +220,7 @@ class _Values:
     index of a piece of motion."""
 
     def __init__(self, source: Source, motions: Motions, pieces: Pieces, slots: dict[Any, Any]):
+        # (A, P) mm by axis and piece; NaN where an end is not known, 0 where nothing was corrected
         known = motions.target_known[:, pieces.motion]
         self.end = np.where(known, pieces.end / TICKS_PER_MM, np.nan)
         self.correction = np.where(known, (pieces.end - pieces.nominal) / TICKS_PER_MM, 0.0)
@@ -227,6 +234,7 @@ class _Values:
         if arc.any():
             row = pieces.arc[arc]
             along = motions.arcs.radius[row] * np.abs(motions.arcs.sweep[row]) * pieces.share[arc]
+            # Of a helix: along the circle in its plane, and across it what all other axes go.
             depth = delta[:, arc].copy()
             at = np.arange(len(row))
             depth[motions.arcs.first[row], at] = depth[motions.arcs.second[row], at] = 0.0
@@ -234,6 +242,7 @@ class _Values:
         motion = pieces.motion
         feed = (motions.feed * pace.unit_of_feed(motions))[motion]
         feed = np.where((pieces.code == RAPID) | ~(feed > 0), source.rapid, feed)
+        # G93: F is one over minutes for the whole block, of which a piece takes its share
         timed = motions.inverse[motion] & (pieces.code != RAPID) & (motions.feed[motion] > 0)
         seconds = length / feed * 60.0
         seconds = np.where(

@@ -145,6 +145,9 @@ def zero_lost(
     """Why the zero may not be where the job had it, in words; "": it is. past: the job's journal;
     letters: the machine's axes in its order; restarted: it has greeted as one that has just
     started; done: HOMED, UNLOCKED or "", in this session."""
+    # In the order in which one settles it: offsets that were changed (homing does not bring them
+    # back); homed here, which is proof; restarted or unlocked, which is none; then what the journal
+    # says.
     if past is not None and (words := moved(past.head.get("offsets", {}), live.work)):
         return words
     if done == HOMED:

@@ -162,7 +162,7 @@ class Numbered(Protocol):
             or self.alone(self._waiting[-1].text)
         ):
             return False
-        used = sum(len(frame.data) for frame in self._waiting)
+        used = sum(len(frame.data) for frame in self._waiting)  # 14: number and sum
         return len(self._waiting) < self._slots and used + len(text) + 14 <= self.room
 
     def send(self, number: int, text: bytes) -> bytes:
@@ -170,7 +170,7 @@ class Numbered(Protocol):
             self._n, self._started = 0, True
         elif self._started:
             self._n += 1
-        body = b"N%d %s%s" % (self._n, text, self.gap)
+        body = b"N%d %s%s" % (self._n, text, self.gap)  # N7 G1 X5*98: all before the star
         data = body + b"*%d\n" % checksum(body) if self._started else text + b"\n"
         frame = Frame(number, self._n if self._started else None, text, data, self.answers(text))
         self._waiting.append(frame)

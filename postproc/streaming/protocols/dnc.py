@@ -146,6 +146,8 @@ class Dnc(Protocol):
         events: list[Event] = []
         words = bytearray()
         for byte in data:
+            # 7E2 read as 8N1: the eighth bit is parity, and DC1 (0x11, even) and DC3 (0x13, odd)
+            # differ in it
             byte &= 0x7F
             if byte == DC1:
                 self.stopped = False

@@ -314,6 +314,7 @@ class Grbl(Protocol):
             if options := OPTIONS.match(text):
                 c.flags = options[1]
                 if options[3]:
+                    # [OPT:V,15,128]: 15 blocks, and one more that is just being taken (account.py)
                     c.planner = int(options[2]) + 1
                     c.window = max(16, int(options[3]) - self.keep)
 

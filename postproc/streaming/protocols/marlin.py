@@ -110,6 +110,8 @@ class Marlin(Numbered):
         count = COUNT.search(rest)
         if not count or not self._steps:
             return None
+        # steps over steps per mm (M92): where the motors are, in machine coordinates; what stands
+        # before Count is the program's place, and the difference of both its zero
         place = tuple(int(count[i + 1]) / self._steps[i] for i in range(3))
         self._zero = tuple(round(m - w, 3) for m, w in zip(place, logical, strict=True))
         return place

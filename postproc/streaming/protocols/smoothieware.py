@@ -90,6 +90,7 @@ class Smoothieware(Numbered):
             return 1
         n = 0
         while text:
+            # as it goes through a line, code by code; behind G1 and G53 it looks for none
             code = re.match(rb"G0*(\d+)", text)
             n += 1
             if code and code[1] in (b"1", b"53"):

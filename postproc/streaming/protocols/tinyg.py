@@ -203,6 +203,7 @@ class TinyG(Protocol):
         if not self._waiting or not self._waiting[0][1].startswith(b"{") or self._repeats >= 5:
             return b""
         self._repeats += 1
+        # a line end first: what may be left of the question as it was sent ends there
         return b"\n" + self._waiting[0][1] + b"\n"
 
     def forget(self) -> None:
@@ -213,6 +214,7 @@ class TinyG(Protocol):
     # -- answers in --------------------------------------------------------------------------------
 
     def receive(self, data: bytes) -> list[Event]:
+        # XON and XOFF may stand anywhere, in the middle of an answer too: they are taken out first.
         for byte in data:
             if byte in (XON, XOFF):
                 self._held = byte == XOFF
