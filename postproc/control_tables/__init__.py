@@ -51,6 +51,7 @@ class ErrorTable:
 
     def at(self, position: np.ndarray, approach: np.ndarray | float = 0.0) -> np.ndarray:
         """(N,) mm at positions (N,) mm; approach -1 to +1, 0 is the mean."""
+        # np.interp holds the first and the last value beyond the nodes
         up, down = (np.interp(position, self.nodes, v) for v in (self.forward, self.reverse))
         return (up + down) / 2 + approach * (up - down) / 2
 

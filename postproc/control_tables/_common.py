@@ -132,6 +132,8 @@ def play(table: ErrorTable) -> float:
 
     The middle between the largest and the smallest, so that the worst that stays is least.
     """
+    # Approached in -, an axis with lost motion stays too far in +: its deviation there is the larger
+    # one, by all of it.
     gap = table.reverse - table.forward
     return float(gap.max() + gap.min()) / 2
 
@@ -159,6 +161,8 @@ def zeroed(
 ) -> tuple[ErrorTable, float]:
     """The table with zero at a position, for an approach (0: the mean), and the constant in mm that
     was taken off."""
+    # Referencing sets the position there: a table that is not zero at it would shift the zero by as
+    # much.
     by = float(table.at(np.array([at]), approach)[0])
     if abs(by) > 1e-9:
         notices.append(
@@ -220,6 +224,7 @@ def is_letter(cell: str) -> bool:
 def _common_step(places: np.ndarray, multiple: float) -> float:
     """mm: the largest step of which all places are multiples; 0 where one is no whole multiple of
     `multiple` mm."""
+    # whole multiples of `multiple`, 0 among them, so that gcd of 0, 20, 50 is 10
     ticks = np.append(places / multiple, 0.0)
     if np.any(np.abs(ticks - np.round(ticks)) >= 1e-3):
         return 0.0
@@ -246,6 +251,8 @@ def even_nodes(
             f" and the control has {most}",
             f"--spacing {math.ceil(least):g} or more, or --set points=N if your control has more",
         )
+    # The largest step that meets every node loses nothing of the map; any other rounds off its
+    # corners.
     step = step or _common_step(places, multiple)
     if not step or len(_covering(places, step)) > most:
         step = _nice_step(places, multiple, most, least)
@@ -264,6 +271,7 @@ def _nice_step(places: np.ndarray, multiple: float, most: int, least: float) -> 
 def _covering(places: np.ndarray, step: float) -> range:
     """The multiples of a step that cover ascending places."""
     low, high = float(places[0]), float(places[-1])
+    # 1e-6 of a step: 0.30000000000000004 / 0.1 is 3, and no fourth point is needed for it
     return range(math.floor(low / step + 1e-6), math.ceil(high / step - 1e-6) + 1)
 
 

@@ -28,6 +28,13 @@ MEANING = {
     3627: "compensation at the reference from the other side",
 }
 ORDER = (3605, 3620, 3621, 3622, 3623, 3624, 3625, 3626, 3627, 1851, 1852)
+#     program, l50        program, l52           memory card        CSV
+#     G10 L50             G10 L52                N03620 A1 P100     axis,parameter_no,value
+#     N3620 P1 R100       N3624 P1 R20.0000      N10051 P1          X,51,1
+#     N10051 R1           G11
+#     G11                 G10 L50
+#                         N10051 R1
+#                         G11
 PITCH = 10000  # N10051 is compensation number 51
 LAST = 1535
 WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
@@ -66,6 +73,8 @@ class Listing:
         if number in known:
             raise at.fault(f"parameter {number} of {axis} stands twice")
         known[number] = amount
+        # 3624 with a point is a length in mm or inch, without one a count of least increments
+        # (Listing).
         if "." in value:
             self.lengths.add((axis, number))
         elif amount != int(amount):
@@ -236,6 +245,7 @@ def g10(
     pitch numbers (30i, 0i-F)."""
     axes = axis_order(options)
     lines = ["%", f"O{common.whole(options, 'program_number', 7900, 1, 9999):04d}"]
+    # capitals, digits and a few signs: no bracket may end the comment
     lines += [f"({re.sub('[^A-Z0-9 .,:=+/-]', ' ', text.upper())})" for text in comments]
     lines.append("G10 L52" if form == "l52" else "G10 L50")
     for number in ORDER:

@@ -23,7 +23,9 @@ def pitch_table(
     if not filled and not play and 3627 not in known:
         return None
     points = np.unique(np.concatenate(filled)) if filled else np.zeros(1)
+    # what the control adds to the command; a deviation is minus that
     added = [np.interp(points, p, v) if len(p) else np.full(len(points), v[0]) for p, v in columns]
+    # 1851 is added once at a reversal: taken half and half, the mean stays where the table has it
     up, down = added[0] + play / 2, added[-1] - play / 2
     home = options.reference.get(axis, 0.0)
     return ErrorTable(axis, axis, np.round(home + points * step, 9), -up, -down)
@@ -39,6 +41,8 @@ def _columns(
     if 3626 in known and int(known.get(3605, 1)) & 1:
         turned = known.get(3627, 0.0) * options.step
         forth = common.setting(options, "return", "+", ("+", "-")) == "+"
+        # The direction of the reference return has zero at the reference, the other one 3627
+        # (turned).
         starts = [(low, 0.0 if forth else turned), (int(known[3626]), turned if forth else 0.0)]
     columns = []
     for start, offset in starts:
@@ -104,6 +108,9 @@ def _sums(
     the reference."""
     if not numbers:
         return np.zeros(0), np.array([offset])
+    #     point     n-1          n         n+1
+    #     number         K_n        K_n+1            the increment between the points n-1 and n
+    # One point more than there are numbers; 0 is the reference.
     points = np.arange(numbers[0] - 1, numbers[-1] + 1) - first
     total = np.concatenate([[0.0], np.cumsum(increments)])
     return points.astype(float), (total - np.interp(0.0, points, total)) * unit + offset

@@ -67,6 +67,7 @@ def _entry(
 ) -> dict[str, float]:
     """The numbers of a row by their column, which are name and first character. Raises TableError
     for a row that can not come after `rows`."""
+    # Cells go by the first characters of their headings, not by blanks: an empty cell is one, too.
     edges = [start for _, start in columns[1:]] + [None]
     cells = {h: at.text[a:b].strip() for (h, a), b in zip(columns, edges, strict=True)}
     row = {h: at.finite(c, h) for h, c in cells.items() if c}

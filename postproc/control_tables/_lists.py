@@ -35,6 +35,7 @@ def by_axis(
     The first of those columns ascends or descends steadily. Raises TableError with file and line.
     """
     lines = common.csv_rows(common.numbered(source))
+    # the same iterator goes on below: the heading is the first row, and rows are what is left of it
     for at, cells in islice(lines, 1):
         if cells != list(columns):
             raise at.fault(f"the columns are {', '.join(cells)}", ",".join(columns))

@@ -13,6 +13,14 @@ from postproc.control_tables import ErrorTable, ExportOptions
 from postproc.control_tables import _common as common
 from postproc.recordings import Source
 
+#     # remarks
+#     axis = X
+#     unit = mm
+#     start = 0.00000
+#     length = 500.00000
+#     points = 11
+#     position, error_positive, error_negative
+#     0.00000, 0.00120, 0.00310
 HEAD = ("axis", "unit", "start", "length", "points")
 
 

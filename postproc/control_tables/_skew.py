@@ -19,6 +19,11 @@ from postproc.control_tables import _common as common
 from postproc.recordings import Source
 from postproc.units import UM, URAD
 
+#     y |     /           EXY leans Y by xy > 0 towards +X: a command (0, y) stands at (xy y, y)
+#       |    /
+#       |   / angle xy    a leaning of X instead, EYX > 0, makes the same angle between both axes:
+#       |  /              it closes from 90 degrees as well, and the square is turned besides
+#       +---------- x
 PLANES = ("xy", "xz", "yz")
 FAR = 1000.0  # mm: how far to both sides a table that was read reaches; a factor itself has no ends
 STEEPEST = 0.1  # a larger factor is a slip
@@ -36,6 +41,7 @@ class Settings:
 
 def _take_lost(result: Settings, table: ErrorTable, backlash: bool) -> None:
     """The lost motion of a positioning error, and what it leaves."""
+    # One number for the whole travel: the mean leaves least in squares.
     lost = float(np.mean(table.reverse - table.forward)) if backlash else 0.0
     if lost < 0:
         result.notices.append(
@@ -53,6 +59,7 @@ def _take_lost(result: Settings, table: ErrorTable, backlash: bool) -> None:
 def _take_skew(result: Settings, table: ErrorTable, rest: bool) -> None:
     """The slope of a straightness, and what it leaves. Raises TableError for one too steep."""
     mean = common.mean(table).forward
+    # The line's constant is the zero of the other axis, which these firmwares hold elsewhere.
     slope = float(np.polyfit(table.nodes, mean, 1)[0]) if len(table.nodes) > 1 else 0.0
     if abs(slope) > STEEPEST:
         raise TableError(
@@ -103,6 +110,7 @@ def tables(skew: dict[str, float], lost: dict[str, float]) -> list[ErrorTable]:
     for plane, factor in skew.items():
         if factor:
             along, moving = plane[0].upper(), plane[1].upper()
+            # "xy": X is off by xy times Y, so Y moves and the deviation is along X
             found.append(ErrorTable(moving, along, nodes, factor * nodes, factor * nodes))
     for axis, size in lost.items():
         if size:

@@ -18,6 +18,8 @@ def thinned(table: ErrorTable, most: int) -> tuple[ErrorTable, float]:
         return table, 0.0
     values = np.stack([table.forward, table.reverse])
     low, high = 0.0, float(np.ptp(values, axis=1).max()) + UM
+    # Bisection over the bound: wider bounds need no more nodes, and 40 halvings of a map's range
+    # are far below a picometre.
     for _ in range(40):
         middle = (low + high) / 2
         low, high = (
@@ -37,6 +39,9 @@ def _chords(nodes: np.ndarray, values: np.ndarray, bound: float) -> list[int]:
     while first < last:
         reach = first + 1
         # slopes that pass every node between within the bound
+        #              .
+        #     first *:.....  i      a chord may end at i where its slope is one of those that pass
+        #              '            each node before i within the bound: a cone that only narrows
         steep, flat = np.full(len(values), np.inf), np.full(len(values), -np.inf)
         for i in range(first + 1, last + 1):
             run = nodes[i] - nodes[first]

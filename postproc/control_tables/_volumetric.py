@@ -141,6 +141,7 @@ class Collected:
             place
             and place[1] in ROTARY
             and place[2] in XYZ
+            # A0X would be a turn of X about itself: roll, which no squareness is
             and ROTARY.index(place[1]) != XYZ.index(place[2])
         ):
             self.square[name] = value
@@ -157,6 +158,7 @@ class Collected:
     def grid(
         self, name: str, other: str, nodes: np.ndarray, others: np.ndarray, values: np.ndarray
     ) -> None:
+        # (6, K, M): EX EY EZ EA EB EC over K places of the moving axis and M of the other
         full = np.zeros((6, *values.shape))
         full[COMPONENTS.index(name[:2])] = values
         self.grids.append(GridTable(name[2], other, nodes, others, full, full))

@@ -34,6 +34,10 @@ EXTRA = {
     "axis_X": "the control's name of axis X",
     "number_X": "its logical number",
 }
+#     kopf.achs_nr 1                   kopf.log_achs_name X
+#     kw.ssfk.interval 0               each point has its setpoint; else their distance, 0.1 um
+#     kw.ssfk.kw_nr_max 2              kw.ssfk.unit 1    kw.ssfk.bilateral 1
+#     kw.ssfk.table[0].setpoint 0      kw.ssfk.table[0].pos -102      kw.ssfk.table[0].neg -95
 LINE = re.compile(r"(kopf|kw)\.([a-z_0-9.]+?)(?:\[\s*(\d+)\s*\]\.(setpoint|pos|neg))?\s+(\S.*)")
 COMMENT = re.compile(r"/\*.*?\*/|#.*")
 

@@ -33,6 +33,10 @@ EXTRA = {
     "counts_per_mm": "of version 1: encoder counts per mm; needed",
     "axis": "of version 1, when reading: X, Y or Z",
 }
+# version 1:
+#     24 -1448819        points, and the last one's place in counts from home
+#     0                  correction at home, counts
+#     -3                 at the next point, and so on
 COLUMNS = ("correction_forward", "correction_reverse")
 NOTICE = (
     "unverified: the sign, and all of the layout but version 1. Enter one axis, move to a place"
@@ -113,6 +117,7 @@ def _per_mm(options: ExportOptions) -> float:
 def _counts(table: ErrorTable, home: float, sign: float, options: ExportOptions) -> bytes:
     """Points from home to the far end of the travel, in counts."""
     per_mm, places = _per_mm(options), table.nodes - home
+    # the point next to home first: travels below home are listed from their upper end on
     if abs(places[0]) > abs(places[-1]):
         places, values = places[::-1], table.forward[::-1]
     else:

@@ -59,6 +59,8 @@ def _flat(machine: Machine, found: VolumetricMap, left: dict[str, float]) -> Vol
     axes = dict(found.one_way().axes)
     notices = list(found.notices)
     for grid in found.one_way().grids:
+        # The middle of the extremes leaves the least of the worst, where the mean leaves more at
+        # one end.
         middle = (grid.forward.max(axis=2) + grid.forward.min(axis=2)) / 2
         off = grid.forward - middle[:, :, None]
         add(

@@ -55,6 +55,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
             )
         up, down = (np.round(sign * v / unit, decimals) for v in (chosen.forward, chosen.reverse))
         if not np.any(down) and np.any(up):
+            # One least digit, for all zeros would mean "as in +" to the control, and put in what
+            # was measured only one way.
             down[-1] = 10.0**-decimals
             notices.append(
                 f"{table.name}: the errors for travel in - are all zero, which the control reads as"

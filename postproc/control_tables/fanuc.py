@@ -59,6 +59,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     pitch: dict[str, dict[int, int]] = {}
     shifts: dict[str, float] = {}
     free = 1
+    # Numbers are shared by all axes, each its own range of them; `free` is the next that none has.
     for table in (t for t in tables if t.moving == t.along):
         known, numbers, shifts[table.name] = _axis(table, options, free, notices)
         settings[table.moving], pitch[table.moving] = known, numbers
@@ -99,6 +100,8 @@ def _axis(
     axis = table.moving
     both = options.two_way and table.two_way
     points = _points(table, options, both, notices)
+    #     number     free ... first | first+1 ...
+    #     interval   below the      | above the reference, which is the point `first` (3620)
     first = options.first.get(axis, free + points.below - 1)
     number = first - points.below + 1
     low, high = _span(axis, options, first, range(number, number + len(points.up)), notices)
@@ -199,6 +202,8 @@ def _increments(
     bound = common.whole(options, "largest", 7, 1, 127)
     for magnification in range(1, 101):
         unit = options.step * magnification
+        # Sums are rounded and then differenced: rounded increments would add up their errors along
+        # the travel.
         added = (-even.forward - starts[0], -even.reverse - starts[1])
         up, down = (np.diff(np.rint(v / unit)).astype(int) for v in added)
         worst = max(np.abs(up).max(initial=0), np.abs(down).max(initial=0))

@@ -63,6 +63,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
                 f"{table.name}: nothing stands above machine zero {table.moving} = {home:g}: the"
                 f" value there is held up to {table.nodes[-1]:g}"
             )
+        #     point      0        1        2
+        #     inch       0.0     -0.5     -1.0      from machine zero down
         values = common.mean(table).at(home - SPACING * np.arange(count)) * sign / MM_PER_INCH
         if encoder and np.abs(values).max() * MM_PER_INCH > STEPS * encoder:
             raise TableError(
@@ -97,6 +99,7 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
                 f"{source.name}: positions of {axis} are not 0, -0.5, -1.0 ... inch from machine"
                 " zero"
             )
+        # turned round: our nodes ascend
         nodes = (options.reference.get(axis, 0.0) + position * MM_PER_INCH)[::-1]
         column = (sign * value * MM_PER_INCH)[::-1]
         tables.append(ErrorTable(axis, axis, np.round(nodes, 9), column, column))

@@ -37,6 +37,12 @@ EXTRA = {
     "form": "free or legacy (spacing a power of two x 0.1 um), free",
     "points": "entries of one table, 256 (64 in the oldest controls)",
 }
+# AXIS_Z.COM, of the axis that moves: a column to each axis that it moves off, and its own reverse.
+#
+#     BEGIN AXIS_Z.COM MM
+#     NR      AXISPOS         X               Z               BACKLASH
+#     0       0.00000         0.00012         0.00000         0.00210
+#     [END]
 TICK = 0.0001  # mm
 DECIMALS = {"mm": 5, "inch": 6}
 FRAME = "BEGIN AXIS.COM {unit}\nNR      AXISPOS         {columns}\n[END]\n"
@@ -107,6 +113,7 @@ def _nodes(
     if form == "legacy":
         if options.unit != "mm":
             raise UsageError("the legacy form is in mm", "--unit mm")
+        # the least power of two x 0.1 um with which `most` entries reach over the travel
         power = max(
             0, math.ceil(math.log2(max(float(np.ptp(nodes)), TICK) / (most - 1) / TICK) - 1e-9)
         )

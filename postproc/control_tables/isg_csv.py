@@ -36,6 +36,15 @@ VERIFIED = True
 UNVERIFIED = "the sign of a component, and from where arms count"
 SIGN = volumetric.SIGN
 EXTRA = volumetric.EXTRA
+#     // comment
+#     B0Z C0Y                       squareness, rad: one row
+#     0.000012 -0.000005
+#     #                             a new table
+#     X EXX EYX EBX                 components of X over X
+#     0.0 0.0001 0.0 0.000002
+#     100.0 ...
+#     #
+#     Z X EXX                       a component over two axes: the second one, Z, turns slowest
 OTHERS = re.compile(r"[PN]0[XYZ]|[PV][XYZ][XYZABC]|ID[XYZ]|LN[XYZABC]")
 LONE = 0.5  # mm to either side of the one place at which a component was measured
 

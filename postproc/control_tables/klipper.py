@@ -36,6 +36,10 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     found = skews.settings(tables, "Klipper", False, options.rest)
     planes = []
     for plane, factor in found.skew.items():
+        #       B________C        A = (0, 0), D = (side, 0), B = (factor side, side)
+        #      /        /
+        #     /        /          AC is the longer diagonal where the factor is positive
+        #    A________D
         ac, bd = math.hypot(SIDE + SIDE * factor, SIDE), math.hypot(SIDE - SIDE * factor, SIDE)
         planes.append(
             f"{plane.upper()}={common.fixed(ac, DECIMALS)},{common.fixed(bd, DECIMALS)},{SIDE:g}"

@@ -57,6 +57,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
                 f"{table.name}: {len(chosen.nodes)} entries thinned out to {len(thin.nodes)}, which"
                 f" loses {lost / UM:.3f} um at most"
             )
+        #     type 0   100.0 100.012 100.015    where the joint really is: nominal + deviation
+        #     type 1   100.0  -0.012  -0.015    what is added to the command: -deviation
         base, sign = (thin.nodes, 1.0) if kind == "0" else (np.zeros_like(thin.nodes), -1.0)
         columns = (thin.nodes, base + sign * thin.forward, base + sign * thin.reverse)
         rows = [

@@ -35,6 +35,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     files: dict[str, bytes] = {}
     left: dict[str, float] = {}
     for table in kept:
+        # start, length and number of points are all that the plugin asks for: even steps, always
         even = common.chosen(table, options, most, always=True)
         name = f"mach4-{table.moving}.txt"
         files[name] = _sheet.text(

@@ -62,10 +62,12 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         seen |= code in ("M852", "M425")
         if code == "M852":
             given = skews.words(at, parts, "SIJK")
+            # S is another letter for I
             usual = skew | {"xy": given.get("S", skew["xy"])}
             skew = {p: skews.factor(at, given.get(x, usual[p])) for p, x in LETTERS.items()}
         elif code == "M425":
             given = skews.words(at, parts, "FSXYZ")
+            # F 0 to 1: the part of the lost motion that is taken up
             fraction = min(1.0, max(0.0, given.get("F", fraction)))
             lost |= {x: given.get(x, size) for x, size in lost.items()}
         elif code == "G20":

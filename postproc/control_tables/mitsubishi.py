@@ -41,6 +41,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     for table in kept:
         most = common.whole(options, "points", 1024, 2, 1024)
         even, shifts[table.name] = common.even_mean(table, options, most, notices)
+        # Sums first, then their differences, so that roundings do not add up along the travel.
         counts = np.rint(-even.forward / unit).astype(int)
         steps = np.diff(counts, prepend=counts[0])
         if steps.min() < -128 or steps.max() > 127:

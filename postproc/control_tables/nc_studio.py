@@ -28,6 +28,10 @@ UNVERIFIED = "the sign"
 SIGN = "+deviation, unverified: by the manual's example of backlash"
 NAME = "axeserr.dat"
 DECIMALS = 4
+#     unit = mm
+#     [X]
+#     0.0000, 0.0000, 0.0300          nominal, forward error, backward error
+#     50.0000, 0.0021, 0.0318
 UNIT = re.compile(r";?\s*unit\s*=\s*(\S+)", re.IGNORECASE)  # the manual's example has the ;
 NOTICE = (
     "unverified: the sign, which follows from the manual's example of backlash only. Load one axis,"

@@ -34,6 +34,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     """One file of commands for config.g. Raises TableError."""
     found = skews.settings(tables, "RepRapFirmware", options.two_way, options.rest)
     xy, xz, yz = (found.skew[p] for p in skews.PLANES)
+    # X says XY, Y says YZ, Z says XZ. The machine's own xy goes with the y that it is sent to, y -
+    # yz z; the firmware takes y itself for XY, so what is missing, xy yz z, goes into XZ.
     values = (-xy * HEIGHT, -yz * HEIGHT, -(xz - xy * yz) * HEIGHT)
     skew = " ".join(f"{x}{common.fixed(v, 8)}" for x, v in zip("XYZ", values, strict=True))
     lines = [f"; {options.program}: axis skew and lost motion", f"M556 S{HEIGHT:g} {skew} P0"]

@@ -45,6 +45,10 @@ EXTRA = {
     "first_table": "index of the first, 0",
     "axis_Z": "the control's name of axis Z, AX and its number in XYZ",
 }
+#     $AN_CEC_INPUT_AXIS[0]=(AX1)      base axis: it moves
+#     $AN_CEC_OUTPUT_AXIS[0]=(AX3)     compensation axis: it is corrected
+#     $AN_CEC_STEP[0]=50  _MIN[0]=0  _MAX[0]=500  _DIRECTION[0]=0  ...     one to a line
+#     $AN_CEC[0,0]=0.003               table 0, point 0
 WORD = re.compile(r"\$AN_CEC(_[A-Z_]+)?\s*\[([^\]]*)\]\s*=\s*(\S+)", re.IGNORECASE)
 KEYS = (
     "_INPUT_AXIS", "_OUTPUT_AXIS", "_STEP", "_MIN", "_MAX", "_DIRECTION", "_MULT_BY_TABLE",
@@ -257,6 +261,7 @@ def _joined(tables: list[_Table], options: ExportOptions) -> list[ErrorTable]:
 
 def _of_ways(moving: str, along: str, ways: dict[str, tuple[np.ndarray, np.ndarray]]) -> ErrorTable:
     """One table of nodes and values by direction."""
+    # a direction without a table of its own is not corrected: zero
     none = (np.zeros(1), np.zeros(1))
     up, down = (ways.get("0", ways.get(way, none)) for way in ("1", "-1"))
     nodes = (up if len(up[0]) > 1 else down)[0]

@@ -71,6 +71,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         target, got = common.shifted(table, by), back[table.moving]
         plain = common.left(target, got)
         if table.two_way:
+            # MD32450 moves the axis on by `play` at a reversal: half of it to either side of the
+            # mean.
             got = ErrorTable(
                 got.moving, got.along, got.nodes, got.forward - play / 2, got.reverse + play / 2
             )
