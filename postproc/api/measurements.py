@@ -185,6 +185,7 @@ def calibrate(
     for key in options:
         if not hasattr(said, key):
             raise TypeError(f"gcomp calibrate has no option {key!r}")
+    # Options as the command line would have made them, so that there is one set of rules for both.
     said.__dict__.update(options, title=title or None, chain=chain, control=control, output=name)
     said.travel, said.least_increment = list((travel or {}).items()), least_increment_mm
     copied = command.like_of(str(like) if like else None)

@@ -138,6 +138,7 @@ def _text(program: str | bytes | Iterable[str | bytes]) -> BinaryIO:
     """The program in a file without a name."""
     spool = ports.spool()
     for piece in [program] if isinstance(program, str | bytes) else program:
+        # bytes of no UTF-8 that came in through str (surrogateescape) go out as they were
         spool.write(piece.encode("utf-8", "surrogateescape") if isinstance(piece, str) else piece)
     spool.seek(0)
     return spool
@@ -183,6 +184,8 @@ def _options(settings: dict[str, Any], program: Any) -> argparse.Namespace:
         if name in CHOICES and value not in CHOICES[name]:
             raise UsageError(f"{name}={value!r} is none of {', '.join(CHOICES[name])}")
         if name in UNITS:
+            # tolerance_um=1 is --tolerance 1um: judged by the same function, with the same
+            # sentences
             setattr(options, name.rpartition("_")[0], _length(name, value))
         elif name in TAKEN:
             option, made = TAKEN[name]

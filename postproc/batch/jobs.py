@@ -59,6 +59,8 @@ def jobs(
     result: list[Job] = []
     taken: dict[Path, str] = {}
     for machine in machines:
+        #     -o out, one machine      out/part.nc          out/sub/part.nc
+        #     -o out, machines a, b    out/a/part.nc        out/b/part.nc
         root = folder / places.folder_of(machine).resolve().name if len(machines) > 1 else folder
         for source, relative in found:
             output = root / relative
@@ -97,6 +99,8 @@ def _programs(path: Path, output: Path, patterns: Sequence[str]) -> Iterator[tup
 def key_of(job: Job, options: argparse.Namespace) -> str:
     """What the result depends on: program, machine's folder, offsets, options, version. The same
     key: the same bytes."""
+    # The version, for other code may give other bytes; the machine's files and not its name, for a
+    # map that was measured anew has the same name.
     sha = hashlib.sha256(f"{__version__} {_folder(job.machine)} {_settings(options)}".encode())
     sha.update(ports.read_whole(Path(job.program), intake.PROGRAM))
     return sha.hexdigest()
@@ -109,6 +113,7 @@ def repeats(options: argparse.Namespace) -> bool:
 
 
 def _settings(options: argparse.Namespace) -> str:
+    # what does not change a byte of the result stays out (OWN): another -j does nothing again
     own = {k: v for k, v in sorted(vars(options).items()) if k not in OWN and not callable(v)}
     own["offsets"] = [_digest(name) for name in options.offsets]
     own["temperatures"] = options.temperatures and _digest(options.temperatures)

@@ -29,6 +29,9 @@ class Ledger:
         folder.mkdir(parents=True, exist_ok=True)
         self.folder, self.path = folder, folder / NAME
         self.known: dict[str, dict[str, Any]] = {}
+        #     {"result_of": "a.nc", "status": "begun"}
+        #     {"format": ..., "result_of": "a.nc", "key": ..., "status": "done", "sha256": ..., ...}
+        # Appended only; of one result the last line counts.
         self._file = open(self.path, "ab+")  # noqa: SIM115
         self._lock()
         if self._file.seek(0, os.SEEK_END) > intake.JOURNAL:
@@ -73,6 +76,7 @@ class Ledger:
             or not Path(output).is_file()
         ):
             return None
+        # A result that a person has changed since is no result of ours: it is made again.
         same = hashlib.sha256(
             ports.read_whole(Path(output), 4 * intake.PROGRAM)
         ).hexdigest() == entry.get("sha256")

@@ -54,6 +54,8 @@ def local(
                 except BrokenProcessPool:
                     suspects.append(job)
             if suspects:  # a worker has ended: any job that was handed out may have done it
+                # The pool can not say which job ended its process: every one at work is looked at
+                # alone.
                 suspects += at_work.values()
                 at_work.clear()
                 pool.shutdown(wait=False, cancel_futures=True)

@@ -48,6 +48,7 @@ def _corrected(job: Job, options: argparse.Namespace) -> dict[str, Any]:
 
     own = copy.copy(options)
     own.file, own.machine = job.program, job.machine
+    # of a copy: all jobs of a process share the options
     own.in_place = own.unbuffered = own.filter_progress = False
     own.verify = bool(options.verify or options.report)
     done = programs.attempt(
@@ -62,6 +63,8 @@ def _corrected(job: Job, options: argparse.Namespace) -> dict[str, Any]:
             sha.update(data)
         target = Path(job.output)
         target.parent.mkdir(parents=True, exist_ok=True)
+        # The digest is of what was written, so that a ledger tells a result from what a person made
+        # of it.
         ports.replace_file(target, spool, backup=False)
     if options.report:
         ports.write_whole(

@@ -132,8 +132,7 @@ def play(table: ErrorTable) -> float:
 
     The middle between the largest and the smallest, so that the worst that stays is least.
     """
-    # Approached in -, an axis with lost motion stays too far in +: its deviation there is the larger
-    # one, by all of it.
+    # Approached in -, an axis with lost motion stays too far in +: its deviation is larger by it.
     gap = table.reverse - table.forward
     return float(gap.max() + gap.min()) / 2
 

@@ -18,6 +18,8 @@ def install(call: Call, name: str, where: Callable[[Path], str], shows: bool = F
     path = call.folder / f"{name}-{call.name}{'.bat' if call.windows else '.sh'}"
     batch = [call.python, "-m", "postproc", "batch", "POSTED", "--machine", call.machine]
     batch += [*call.options, "-o", "CORRECTED"]
+    # A program that shows no message would leave the nominal file there as if it had been
+    # corrected.
     script = _script.in_place(call) if shows else _script.in_place_or_away(call)
     return Installed(
         {path: (script, True)},

@@ -33,6 +33,7 @@ def in_place(call: Call) -> str:
     return _shell(
         call,
         "corrects the file that is named last; a file that is refused stays as it is",
+        # "for file; do :; done" leaves the last argument in $file: slicers put theirs before it
         '[ $# -gt 0 ] || { echo "which file?" >&2; exit 2; }\nfor file; do :; done\n',
         f'{shlex.join(command(call, "--quiet"))} {goes} -- "$file"',
     )
@@ -68,6 +69,8 @@ def in_place_or_away(call: Call) -> str:
         '[ $# -gt 0 ] || { echo "which file?" >&2; exit 2; }\nfor file; do :; done\n'
         f"unset {' '.join(UNSET)}\nPYTHONPATH={shlex.quote(call.root)}\nexport PYTHONPATH\n"
         f'said=$({shlex.join(words)} {goes} -- "$file" 2>&1) && exit 0\nstatus=$?\n'
+        # away first: whatever fails below, the uncorrected program is no longer where it is looked
+        # for
         'mv -- "$file" "$file.not-corrected"\n'
         'printf "%s\\n" "$said" | tee "$file.refused.txt" >&2\nexit $status\n'
     )

@@ -62,6 +62,7 @@ def install(call: Call) -> Installed:
         root=call.root,
         unset=_script.UNSET,
     )
+    # Cura looks for a class that is called as the file
     path = call.folder / "Gcomp.py"
     return Installed(
         {path: (text, False)},

@@ -74,6 +74,7 @@ def install(call: Call) -> Installed:
         post=post, name=call.name, command=_script.command(call), root=call.root,
         unset=_script.UNSET, keep=KEEP if call.keep else "",
     )  # fmt: skip
+    # FreeCAD lists a post by a file name that ends in _post.py
     path = call.folder / f"gcomp_{post}_post.py"
     return Installed(
         {path: (text, False)},

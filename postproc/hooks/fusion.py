@@ -30,6 +30,7 @@ def install(call: Call) -> Installed:
     """A script that corrects the posted file, and the lines that let a post run it."""
 
     def where(path: Path) -> str:
+        # a JSON string is a JavaScript one: backslashes of a Windows path are doubled
         return POST.format(path=json.dumps(str(path)), plain=path)
 
     return _posted.install(call, "fusion", where)

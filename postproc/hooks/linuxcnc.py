@@ -25,6 +25,7 @@ def install(call: Call) -> Installed:
         *(f"{ending} = {path}" for ending in ENDINGS),
     ]
     return Installed(
+        # [FILTER] runs the script with the file's name, and opens what it writes to standard output
         {path: (_script.to_output(call, "--filter-progress"), True)},
         "the machine's INI file:\n" + "\n".join(lines),
     )

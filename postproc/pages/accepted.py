@@ -44,6 +44,7 @@ def mood(outcomes: Sequence[Outcome]) -> str:
     moods = {MOODS[v] for v in verdicts if v in MOODS}
     if "bad" in moods:
         return "bad"
+    # nothing bad is not enough: readings that tell no sign tell nothing good of it, too
     return "good" if "good" in verdicts and not moods else "open"
 
 

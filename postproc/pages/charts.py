@@ -15,6 +15,8 @@ Figure = dict[str, Any]
 def column(values: Any, digits: int = 3) -> list[float | None]:
     """Numbers for a page: so many digits after the point, null where there is none."""
     return [
+        # + 0.0: -0.0 becomes 0.0. A page holds thousands of numbers: each digit that says nothing
+        # is left out, and JSON has no NaN.
         None if not np.isfinite(v) else round(float(v), digits) + 0.0
         for v in np.asarray(values, float)
     ]
@@ -43,6 +45,7 @@ def band(
 ) -> Trace:
     """An area between two curves; `role` is one of those with "fill" in their meaning."""
     return {
+        # there along the upper edge and back along the lower one: one closed line, filled
         "type": "scatter", "mode": "lines", "x": [*x, *reversed(x)], "y": [*high, *reversed(low)],
         "name": name, "fill": "toself", "fillcolor": f"@{role}", "line": {"width": 0},
         "hoverinfo": "skip", **more,

@@ -36,9 +36,12 @@ def _circle(
     nominal: float,
 ) -> charts.Figure:
     rows, few = thinned(rows)
+    # angle from the first axis towards the second, by the places that were commanded
     arm = [d.rows.state.position[x][rows] - centre[x] for x in axes]
     angle = np.degrees(np.arctan2(arm[1], arm[0])) % 360
     top = max(float(np.abs(d.before[rows]).max()), 1e-6)
+    #     drawn radius = nominal + times_ x deviation, mm
+    # The largest deviation fills FILL of the radius; the factor is a round one, for the caption.
     times_ = round_down(FILL * nominal / top)
     data: list[charts.Trace] = []
     for values, role, said in (

@@ -50,6 +50,8 @@ def ranked(d: Diagnosis) -> list[tuple[str, float, float, float]]:
         part = (f.contribution - middle(d, f.contribution)) * UM
         wide = max(float(np.ptp(part[d.rows.signal == s])) for s in np.unique(d.rows.signal))
         found.append((words.named(f.block.key), rms(part), wide))
+    # Squares add up where effects do not go together, sizes do not. What is left is no part of the
+    # sum.
     whole = sum(size**2 for _, size, _ in found) or 1.0
     return sorted(
         ((n, size, wide, size**2 / whole) for n, size, wide in found), key=lambda one: -one[1]
@@ -230,6 +232,7 @@ def _pair(
     """The deviation along `error` at (A, N) mm approached from one side, as it is and as written;
     nothing where it does not change."""
     row = machines[0].letters.index(error)
+    # (A, N): all axes approached from one side, `error`'s row of the slides' deviation
     before, after = (m.deviation(place, np.full_like(place, side))[row] * UM for m in machines)
     if float(np.abs(after - before).max()) < CHANGES:
         return []

@@ -65,6 +65,8 @@ class Page:
             for b in self.blocks
             for f in b.get("figures", (b["figure"],) if "figure" in b else ())
         ]
+        # NaN would be no JSON to a browser, and the whole page would stay empty: rather an error
+        # here.
         data = json.dumps({"figures": figures, **self.data}, allow_nan=False, separators=(",", ":"))
         return (
             _environment()
@@ -85,6 +87,7 @@ class Page:
 
 
 def _packed(data: bytes) -> str:
+    # mtime=0: the same page twice is the same bytes
     return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode("ascii")
 
 

@@ -38,6 +38,7 @@ def signals(d: Diagnosis) -> list[int]:
         int(s) for s in np.unique(d.rows.signal)
         if (d.rows.signal == s).sum() >= FEWEST and d.rows.sees[d.rows.signal == s][0] != "part"
     ]  # fmt: skip
+    # over the noise, so that angles in rad and lengths in mm are of one kind
     return sorted(found, key=lambda s: -rms((d.before / floor(d))[d.rows.signal == s]))
 
 
@@ -58,6 +59,8 @@ def noise_band(x: np.ndarray, noise: np.ndarray) -> tuple[list, list]:
     even = np.quantile(noise, 0.95) <= EVEN * np.quantile(noise, 0.05)
     if even or high <= low:
         return [low, high], [Z95 * float(np.median(noise))] * 2
+    #     half |----.         .----        steps: each piece has its two ends in `at`, and twice
+    #          |    '---------'            the same half width
     edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)))
     piece = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
     at, half = [], []
@@ -214,6 +217,7 @@ def _by_side(d, rows, side, scale, unit) -> list[charts.Trace]:
         for way, role, said in SIDES:
             own = values[rows][side == way] * scale
             if len(own):
+                # side by side about their sign, in the order in which they were read
                 x = way + np.linspace(-0.3, 0.3, len(own))
                 hover = f"%{{y:.2f}} {unit}"
                 data.append(_dots(charts.column(x), own, said, role, y, hover, size=3, opacity=0.5))
@@ -255,6 +259,7 @@ def of_finding(d: Diagnosis, k: int) -> charts.Figure | None:
         some = np.flatnonzero(side == way)
         if len(some):
             some = some[np.argsort(x[some], kind="stable")]
+            # readings without all other effects: what is left, and this one put back
             both = (d.after + f.contribution)[rows][some] * scale
             data.append(charts.dots(
                 charts.column(x[some], 4), charts.column(both, 3), f"readings, {label}", role,

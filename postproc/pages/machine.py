@@ -161,6 +161,7 @@ def _row(axis: Axis, row: int) -> tuple[str, ...]:
         stated = f"+- {u:.2f}"
     else:
         stated = "not stated"
+    # both: (2, K) forward and reverse, um or urad
     turned = float(np.abs(both[1] - both[0]).max())
     return (
         f"{COMPONENTS[row]}{axis.letter}", f"{both.min():+.2f}", f"{both.max():+.2f}",
@@ -276,6 +277,8 @@ def _lean(name: str, value: float, degrees: float, at: float) -> tuple[list[dict
     i, letter = ROTARY.index(name[0]), name[2]
     other = next(x for k, x in enumerate(XYZ) if k != i and x != letter)
     turn = np.radians(degrees)
+    # Right-handed: about Z a turn takes X towards +Y and Y towards -X; so with `other` next behind
+    # `letter` in XYZXY a positive angle leans towards it. Lengths about 1, drawn `degrees` off.
     sign = 1.0 if (XYZ.index(other) - XYZ.index(letter)) % 3 == 1 else -1.0
     top = [at + sign * float(np.sin(turn)), float(np.cos(turn))]
     left = top[0] < at

@@ -90,6 +90,7 @@ def _levels(
 ) -> list[Any]:
     """What is drawn of each level, all of them on one scale."""
     drawn = [_slice(machine, across, up, third, float(level)) for level in levels]
+    # of all levels: a colour and an arrow mean the same on each, and the slider changes no scale
     top = max(size for *_, size in drawn)
     return [_level(across, up, heat, tip, top) for heat, tip, _ in drawn]
 
@@ -124,6 +125,7 @@ def _level(across: str, up: str, heat, tip, top: float) -> list[charts.Trace]:
     a, b, z = heat
     x, y, dx, dy = tip
     longer = max(float(np.ptp(x)), float(np.ptp(y)))
+    # ends_x: begin, tip, None, begin, tip, None ...: one curve of many strokes, None lifts the pen
     times = ARROW * longer / max(top, 1e-9)
     # An arrow of a round size above the others, with its unit.
     whole = round_down(max(top, 1e-9))

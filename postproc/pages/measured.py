@@ -88,6 +88,7 @@ def _causes(made: Page, causes: Causes, name: str) -> None:
         f"{causes.whole / UM:.2f} um rms beside the set-up, {causes.left / UM:.2f} um rms that none"
         " of these explains"
     )
+    # a cause is told from none where its range is beyond its U (95 %)
     roles = ["@command" if c.range > c.U_range else "@still" for c in shown]
     bars = charts.lying(
         name,

@@ -180,6 +180,7 @@ def circle(result: Result, name: str) -> charts.Figure:
     seen: set[int] = set()
     for t, (angle, radial) in zip(traces, about, strict=True):
         step = max(1, len(angle) // (MOST_POINTS // min(len(traces), 5)))
+        # "xy" counter-clockwise, from +X to +Y; clockwise "yx"
         sense = plane.lower() if t.way > 0 else plane.lower()[::-1]
         data.append({
             "type": "scatterpolar", "mode": "lines",

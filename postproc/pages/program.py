@@ -144,6 +144,7 @@ def views(letters: tuple[str, ...], points: np.ndarray, lathe: bool) -> list[str
     known = LATHE if lathe else MILL
     planes = [f"{a} {b}" for a, b in known if {a, b} <= extent.keys()]
     longest = max(extent.values(), default=0.0)
+    # stable: of planes that show as much the usual one stays first
     planes.sort(key=lambda p: sum(extent[x] <= FLAT * longest for x in p.split()))
     if not planes:  # a single slide is drawn over itself
         only = next(iter(extent), letters[0])
@@ -156,6 +157,7 @@ def views(letters: tuple[str, ...], points: np.ndarray, lathe: bool) -> list[str
 def magnified(extent: float, error: float) -> int:
     """The slider's step at which the largest error is some hundredths of the extent."""
     wanted = SHARE * extent / max(error, 1e-6)
+    # 1 2 5 10 ... 1,000,000, as the slider has them; nearest on a logarithmic scale
     steps = [m * 10.0**d for d in range(7) for m in (1, 2, 5)][: STEPS + 1]
     return int(np.argmin([abs(np.log(s / max(wanted, 1e-9))) for s in steps]))
 
@@ -267,6 +269,8 @@ def _histogram(result: Page, trace: Trace, verifier: Verifier) -> None:
         ("after", "corrected", "after"),
     ):
         own = 100 * counts[name][low : high + 1] / whole
+        # what is smaller or larger than the classes that are drawn counts with the first and the
+        # last
         own[0] += 100 * counts[name][:low].sum() / whole
         own[-1] += 100 * counts[name][high + 1 :].sum() / whole
         sizes = [f"{10**x:.2g} um" for x in middle]
