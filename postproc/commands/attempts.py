@@ -124,10 +124,14 @@ class Tries:
     def _one_run(self, options: argparse.Namespace) -> Attempt:
         """As it is, or written out. Raises ProgramError."""
         try:
+            # options.expand: True as it was asked for, False refuses, None is the rule
+            # (docs/DESIGN.md, "a program that nothing else corrects is written out")
             return self._attempt(options, bool(options.expand))
         except ProgramError as error:
             if options.expand is not None or options.in_place or not expansion.is_way_out(error):
                 raise
+            # A pipe is read once; and text behind / runs or not as the operator's switch stands, so
+            # that one writing out would be wrong for the other state.
             if not self.source.again() or not self._alone:
                 raise
             first = error

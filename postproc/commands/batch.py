@@ -98,6 +98,8 @@ def _results(todo: list, options: argparse.Namespace, ledger) -> Iterator[dict[s
                 continue
             known = None if repeat else ledger.done(job.output, key)
             if known:
+                # The generator runs inside the pool's loop: what needs no process waits here for
+                # its turn.
                 standing.append({**known, **job.named, "before": True, "number": job.number})
             elif not options.force and Path(job.output).exists() and not ledger.wrote(job.output):
                 standing.append(
@@ -119,6 +121,7 @@ def _results(todo: list, options: argparse.Namespace, ledger) -> Iterator[dict[s
 
 
 def _pool(pool, open_jobs: Iterator, options: argparse.Namespace):
+    # what goes to other processes is pickled: nothing that only this one needs
     plain = argparse.Namespace(
         **{k: v for k, v in vars(options).items() if k not in ("programs", "json")}
     )

@@ -215,6 +215,7 @@ def _recordings(
     digests: dict[str, str] = {}
     for name in files_of(names):
         digest = hashlib.sha256(ports.read_whole(Path(name), intake.RECORDING)).hexdigest()
+        # by content: the same readings under two names would count twice
         if digest in digests.values():
             first = next(n for n, d in digests.items() if d == digest)
             raise UsageError(f"{name} and {first} are the same file", "name each once")
@@ -237,6 +238,9 @@ def write_folder(path: Path, texts: dict[str, str], force: bool) -> str:
     if path.exists() and not (path / "machine.toml").is_file():
         raise UsageError(f"{path} is no machine folder: it is not written over")
     path.parent.mkdir(parents=True, exist_ok=True)
+    #     .NAME.xxxx written, synced, read as a machine
+    #     NAME       -> NAME.bak   where one stood there
+    #     .NAME.xxxx -> NAME       a rename within one folder: whole or not at all
     temporary = Path(tempfile.mkdtemp(prefix=f".{path.name}.", dir=path.parent))
     try:
         for name, text in texts.items():
@@ -245,6 +249,8 @@ def write_folder(path: Path, texts: dict[str, str], force: bool) -> str:
                 file.flush()
                 os.fsync(file.fileno())
         _accept(temporary)
+        # mkdtemp gives 0o700, for nobody else; a machine's folder is as any other that the user
+        # makes
         mask = os.umask(0)
         os.umask(mask)
         os.chmod(temporary, 0o777 & ~mask)

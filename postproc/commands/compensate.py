@@ -140,6 +140,7 @@ def _live(filter_: Filter, source) -> None:
             ports.write_standard(filter_.feed(data))
         ports.write_standard(filter_.finish())
     except GcompError as error:
+        # of the batch that failed, what came before the faulty block
         ports.write_standard(getattr(error, "delivered", b""))
         raise
 
@@ -188,6 +189,7 @@ def progress(size: int, options: argparse.Namespace):
 
         def tell(n: int) -> None:
             done[0] += n
+            # 100 is said when all has been written, not when all has been read
             percent = min(99, done[0] * 100 // size) if size else 0
             if percent != done[1]:
                 done[1] = percent

@@ -93,6 +93,8 @@ def through(filter_: Filter, written: Written, step) -> Iterator[bytes]:
             raise _by_source(error, written) from None
         yield text
     finally:
+        # the filter counts lines of the plain text; a person has the program that was written by
+        # hand
         filter_.notices[count:] = [
             replace(n, line=written.source(n.line)[0]) if n.line else n
             for n in filter_.notices[count:]
@@ -171,6 +173,7 @@ class Library:
     def text(self, name: str) -> bytes | None:
         """The text of a subprogram by its name or number, None if there is none. A name with a path
         in it is none."""
+        # a program must not name files elsewhere: ../../secret is no subprogram
         if not re.fullmatch(r"[A-Za-z0-9_.-]{1,200}", name) or name.startswith("."):
             return None
         for folder in (*self.folders, *self.unasked):

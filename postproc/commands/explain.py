@@ -86,6 +86,7 @@ def _explained(
 ) -> dict[str, Any]:
     """One line, and what becomes of it. seen: what the filter makes of it, filled by its
     watcher."""
+    # Line by line: what the filter adds to its notices meanwhile is about this one.
     said = len(filter_.notices)
     output = filter_.feed(line)
     if not line.endswith(b"\n"):
@@ -201,6 +202,7 @@ def _motion(filter_, known: MapUncertainty, motions: Motions, pieces: Pieces, i:
         says = [f"to {_shown(machine, target)} (tool tip, mm); slides to {_shown(machine, slides)}"]
     if machine.is_zero:
         return says
+    # (A, 1): from which side each slide bears now, behind this block
     turn = filter_.carry.sides.side[:, None].astype(float)
     total = machine.deviation(target, turn)[:, 0]
     # Told along the words of the tip, what an axis errs by has no direction of its own.

@@ -85,6 +85,7 @@ def _write(options: argparse.Namespace, module: Any, machine: Machine) -> int:
     export = module.write_machine(machine, how) if whole else module.write(tables, how)
     if options.residual:
         rest = residual.held(options.control, machine, export, how, tables)
+    # Places of all files are looked at before the first is written: none or all of them.
     beside = _uncertainty(options, machine, [t for t in tables if whole or held(t, export)])
     paths = places_of(
         export.files, Path(options.output), options.force, options.output.endswith(("/", "\\"))

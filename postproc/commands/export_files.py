@@ -27,6 +27,7 @@ def known_of(machine: Machine, table: ErrorTable) -> np.ndarray | None:
     if axis.uncertainty is not None and row in axis.uncertainty.stated:
         parts.append(_along(axis.uncertainty.table, row, table.nodes))
     parts += [*_of_squareness(machine, table), *_of_effects(machine, table, row)]
+    # of independent causes the squares add (GUM): the component's own, squareness, lost motion
     return np.sqrt(sum(np.square(p) for p in parts)) if parts else None
 
 
@@ -41,8 +42,10 @@ def _of_effects(machine: Machine, table: ErrorTable, row: int) -> Iterator[np.nd
 def _of_squareness(machine: Machine, table: ErrorTable) -> Iterator[np.ndarray]:
     """(K,) mm: U (95 %) of each squareness that stands in the table as a line."""
     for name, angle in machine.square_u.items():
+        # C0Y is a turn about Z: it acts between X and Y
         across = {x for x, r in zip(XYZ, "ABC", strict=True) if r != name[0]}
         if name[2] == table.moving and across == {table.moving, table.along}:
+            # a leaning axis is off by its angle times the way from zero
             yield angle * np.abs(table.nodes)
 
 

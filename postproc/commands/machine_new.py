@@ -174,6 +174,8 @@ def _ballbar(options: argparse.Namespace) -> dict[str, float]:
         for x, play, u in zip(
             plane, found.play, (found.u["first play"], found.u["second play"]), strict=True
         ):
+            # 2 u is U (95 %): a lost motion within it may be none, and would move the slide for
+            # nothing
             if x not in dict(options.backlash) and abs(play) > 2 * u:
                 options.backlash.append((x, play))
                 added[x] = u

@@ -75,6 +75,7 @@ def drift(text: str) -> tuple[str, float, str, Known]:
         name,
         first.from_drift(name, size, way),
         f"along a square {drifts} drifts {size:+g} mm while {moving} goes {way:+g}",
+        # a difference of two readings of the gauge, over the way: rad
         lambda options: options.u_gauge * math.sqrt(2) / abs(way) if options.u_gauge else None,
     )
 

@@ -85,6 +85,8 @@ def with_control_tables(machine: Machine) -> Machine:
 
     terms = []
     for table, file in changed:
+        # A table takes its deviation out. At work now and off while the map was measured: less of
+        # it is left. The other way round: as much is there again.
         sign, state = (-1.0, "on") if table.active else (1.0, "off")
         added = tuple(
             _added(found, sign)
@@ -114,6 +116,7 @@ def _added(found: ErrorTable, sign: float) -> AxisTable:
 
     # One point holds everywhere, as two do that say the same.
     nodes = found.nodes if len(found.nodes) > 1 else found.nodes[0] + np.array([0.0, 1.0])
+    # (direction, EX EY EZ EA EB EC, node), mm
     both = np.zeros((2, 6, len(nodes)))
     both[:, COMPONENTS.index(f"E{found.along}")] = sign * np.stack([found.forward, found.reverse])
     return AxisTable(found.moving, nodes, both[0], both[1])
@@ -234,6 +237,7 @@ def _recognised(machine: Machine, head: bytes, notices: list[Notice]) -> str:
         )
     name, evidence = found[0]
     others = [n for n, e in found[1:] if len(e) == len(evidence)]
+    # of dialects that as much speaks for, the machine's own
     if machine.control in (name, *others):
         name = machine.control
     why = "; ".join(evidence[:3]) or "nothing speaks against it"

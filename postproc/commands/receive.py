@@ -65,6 +65,8 @@ def run(options: argparse.Namespace) -> int:
     url = ports_found.chosen(options.port)
     looked_at = "N"  # the parity of each byte
     if bits == 7 and "://" not in url and parity != "N":
+        # A port that checks parity may drop a damaged byte or let it pass as another: with 8 bits
+        # each one comes in, and Reception looks at its eighth.
         frame, looked_at = (8, "N", stop), parity
     port = Port(url, options.baud, frame=frame, rtscts=options.rtscts)
     reception = Reception(bits == 7, looked_at)

@@ -68,6 +68,8 @@ def _show_all(options: argparse.Namespace, how: ReadingOptions) -> int:
         except GcompError as error:
             if len(options.files) == 1 or session.is_session(path):
                 raise
+            # of several files one may be none: the others are shown all the same, and the exit
+            # status says so
             colour.fault(str(error))
             results.append({"file": path, "fault": error.message, "advice": error.advice})
             status = 2

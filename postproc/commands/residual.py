@@ -101,6 +101,8 @@ def _sections(
     settings = _settings(control, more)
     found = []
     for name, data in export.files.items():
+        # Some files name no axis (a .comp of LinuxCNC under another name): each is tried, the first
+        # that reads is stated in the section.
         for of_axis in ({}, *({"axis": x} for x in machine.letters)):
             try:
                 read = module.read(Source(name, data), ExportOptions(extra=more | of_axis))
@@ -147,6 +149,7 @@ def _compare(control: str, sections: list, export: Export, tables: list[ErrorTab
         limit = export.remainder[table.name] + ALIKE
         mine = held.get(table.name, [])
         off = _beside(table, mine)
+        # half of the range: a constant is a zero of the axis, which no table of deviations holds
         if np.ptp(off) / 2 <= limit:
             continue
         apart = float(np.ptp(off.mean(axis=0)) / 2)

@@ -87,6 +87,8 @@ class Entry:
         elsewhere, or moved."""
         if x not in recording.axes or x not in self.own:
             return
+        # The file knows it better than a line for all files: only a section of its own contradicts
+        # it.
         position = recording.position(x)
         moved = np.ptp(position) > 0
         if moved or abs(position[0] - at) > 1e-6:
@@ -166,6 +168,8 @@ def _entry(everywhere: Section, one: Section, base: ReadingOptions, format: str)
         raise one.fault("name", f"there is no file {path}", "names are beside the session")
 
     def said(key: str, default: Any) -> Any:
+        #     command line (base)  <  [all]  <  [[file]]
+        # The nearer to the file, the more it counts; tables are joined key by key (numbers).
         section = one if key in one else everywhere
         if key in section:
             _check_kind(section, key)
@@ -233,6 +237,7 @@ def merged(
     defaults = parser.parse_args([*words, named[0]])
     result = argparse.Namespace(**vars(options))
     for key, value in vars(defaults).items():
+        # argparse does not say whether an option was given: one that stands as by default was not.
         mine, usual = getattr(options, key), parser.get_default(key)
         if key == "recordings":
             continue

@@ -152,6 +152,9 @@ def _signal(
 
     if before is None:
         return module.measure(actual.Reality(run_, terms), settings)
+    #     nominal program   -> targets, and the readings that they are taken against
+    #     corrected program -> readings of the same targets
+    # A corrected program commands other places; an instrument is set up for those of the drawing.
     wanted = module.measure(actual.Reality(before, terms), settings)
     aim = nominal.aimed(settings, wanted)
     return nominal.against(module.measure(actual.Reality(run_, terms), aim), wanted)

@@ -38,6 +38,7 @@ def length(text: str) -> float:
         raise argparse.ArgumentTypeError(
             f"{text!r} is not above zero; a length is like 0.5um or 0.001mm"
         )
+    # --tolerance 5 is meant as um by whoever writes it: 5 mm would correct nothing
     if value > 0.1 and not found[2]:
         raise argparse.ArgumentTypeError(
             f"{text!r} without a unit is mm; write {plain}um or {plain}mm"

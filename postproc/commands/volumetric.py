@@ -149,6 +149,7 @@ def _of_slides_only(kinds: list[str]) -> None:
 def _slides(machine: Machine) -> Machine:
     """The machine with the errors that its slides are known to have; how its rotary axes lie is
     asked for."""
+    # location (6,): EX EY EZ EA EB EC of a rotary axis' line; zero, for that is what is asked for
     axes = {x: a if x in XYZ else replace(a, location=np.zeros(6)) for x, a in machine.axes.items()}
     square = {x: lean for x, lean in machine.square.items() if x in XYZ}
     return replace(machine, axes=axes, square=square)

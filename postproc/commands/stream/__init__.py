@@ -148,6 +148,7 @@ def _precheck(options: argparse.Namespace, job: Job) -> Load | None:
 
     load = None
     if is_file(options.file) or options.expand:
+        # 10 bits a byte on a serial wire; what carries a socket has no rate that is known
         wired = "://" not in options.port or job.protocol.confirms == "nothing"
         load = legs.precheck(job, options.baud / 10 if wired else 0.0)
         if load.warning():

@@ -51,6 +51,8 @@ def lines(
     limits = Limits(options.max_steps, options.max_depth)
     program = Program(filter_.name, text, subprogram)
     written = Written(program, tracked, limits, filter_.compensator.keeps)
+    # expansion.through feeds a filter and yields text; here it feeds the source, and yields wire
+    # lines
     fed = SimpleNamespace(feed=source.feed, finish=source.finish, notices=filter_.notices)
     try:
         for batch in expansion.through(cast(Any, fed), written, lambda size: None):

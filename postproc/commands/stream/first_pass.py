@@ -25,6 +25,7 @@ SECONDS, SHARE = 10.0, 0.05  # that it may take on the wire, s, or of the job
 def _changes_nothing(job: Job) -> bool:
     """Whether all that is in force now is so again behind check mode's reset."""
     assert job.known is not None
+    # a reset forgets both; G54 to G59 lie in EEPROM
     dropped = "G92" in job.live.work or any(job.live.length.values())
     return job.known.checkable() and not dropped
 

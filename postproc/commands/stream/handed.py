@@ -50,6 +50,7 @@ def write(options: argparse.Namespace, job: Job, protocol: Any) -> None:
     try:
         with open(part, "wb") as file:
             file.writelines(protocol.file_of(line.text for batch in lines(job) for line in batch))
+        # LinuxCNC must never see half a program under that name
         os.replace(part, where)
     except OSError as error:
         what = f"{where} can not be written: {error.strerror}"

@@ -87,12 +87,14 @@ class Job:
 
             yield from expanded.lines(source, self.whole, self.options, self.library)
             return
+        # lines are counted on from there, so that errors and the journal name the program's own
         filter_.summary.lines = begin - 1
         try:
             for data in self._text(begin):
                 yield source.feed(data)
             yield source.finish()
         except ProgramError:
+            # what came before the faulty block is good, and has its place before the error
             yield source.delivered
             raise
 
@@ -172,6 +174,8 @@ def prepare(
     base = reading.filter_of(options, machine, copy.head() if copy else b"")
     explicit = {name for name, _ in options.offset}
     assumed = base.machine.offsets
+    # Offsets that were said (--offset, files) must be the controller's own, or the job is refused;
+    # those that machine.toml assumes give way to the controller's, with a notice.
     stated = {n: p for n, p in base.setup.offsets.items() if n in explicit or assumed.get(n) != p}
     lives.conflicts(live, stated, options.start)
     offsets, notices = lives.merged(live, {n: p for n, p in assumed.items() if n not in stated})

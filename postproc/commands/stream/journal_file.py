@@ -99,6 +99,7 @@ class JournalFile:
             self.fault = ""
         except OSError as error:
             self.fault = error.strerror or str(error)
+            # back to the last whole record: half of one would be no line of a journal
             done = data.rfind(b"\n", 0, done) + 1
             with contextlib.suppress(OSError):
                 os.ftruncate(self._file, self._size + done)

@@ -40,6 +40,9 @@ def lines(job: Job, answers: Answers | None = None, bare: bool = False) -> Itera
 
 def _through_changes(job: Job, answers: Answers | None, bare: bool) -> Iterator[list[WireLine]]:
     """The program leg by leg, between them what each tool change sends."""
+    #     leg: preamble, lines up to M6 | OPENING, park, M0, touch off, $# $G | preamble, lines ...
+    # Behind the change the zeros may be others: a fresh filter reads on with what the controller
+    # says.
     number, begin, live = 1, job.begin, job.live
     preamble: tuple[bytes, ...] | None = tuple(M6.sub(b"M0", x) for x in job.preamble)
     longer = Longer(job.protocol.controller.unit)
@@ -128,6 +131,7 @@ def _behind(job: Job, filter_: Filter, begin: int, live: lives.Live) -> tuple[by
             " (G43.1, G49), which is not the new one's",
             "leave tool lengths to --touch-off, and take them out of the program",
         )
+    # it has just been put in: the preamble must not change it once more
     before.loaded = ""
     return tuple(restart.preamble(filter_, before, job.safe(), live.place, stays))
 

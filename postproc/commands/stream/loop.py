@@ -278,6 +278,7 @@ class Run:
             return
         why, since = self._ending
         status = self.sender.status
+        # A reset while it moves would lose steps; Hold:0 says that it stands.
         if now - since > STANDS or (status and status.state == "hold" and status.detail == "0"):
             self.sender.stop(now, why)
 

@@ -68,6 +68,8 @@ class Port:
             port.bytesize, port.parity, port.stopbits = frame
             port.rtscts = rtscts
             with contextlib.suppress(AttributeError, ValueError):
+                # a second program on the port would take answers away, and every count would be
+                # wrong
                 port.exclusive = True
             if not reset:  # raising DTR restarts boards of the Arduino kind
                 port.dtr = port.rts = False
@@ -80,6 +82,7 @@ class Port:
         self._port, self.url = port, url
         # Behind a network nobody can wait until a byte has left: it is told by the clock.
         bits, parity, stop = frame
+        # a start bit, the data, the parity and the stop bits
         self._byte = (1 + bits + (parity != "N") + stop) / baud if "://" in url else 0.0  # s
         self._left = 0.0  # when the last byte has left
         self._fd: int | None = None
@@ -119,6 +122,7 @@ class Port:
 
     def write(self, data: bytes) -> int:
         try:
+            # 0 bytes now, rather than waiting: the loop must look at signals and answers meanwhile
             if self._fd is not None and not select.select([], [self._fd], [], 0)[1]:
                 return 0
             n = int(self._port.write(data) or 0)

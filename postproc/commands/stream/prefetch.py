@@ -18,6 +18,7 @@ class Prefetch:
     was taken; `fault`: what stopped it, behind the lines that came before it."""
 
     def __init__(self, lines: Callable[[], Iterator[list[WireLine]]]):
+        # None: no more will come. The thread waits where the queue is full: memory stays flat.
         self._queue: queue.Queue[list[WireLine] | None] = queue.Queue(AHEAD)
         self._lines = lines
         self._stop = False

@@ -63,6 +63,7 @@ class Show:
         if self._started is None:
             self._started = self._looked = now
         if self.clock is not None and (self.sender.held or self._waits()):
+            # what a hold lasts says nothing of the machine's pace
             self.clock.held += now - self._looked
         self._looked = now
         if self.sender.status and self.sender.status.rates:

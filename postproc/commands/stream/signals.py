@@ -43,6 +43,8 @@ class Signals:
                 continue
             with contextlib.suppress(ValueError):
                 old[number] = signal.signal(number, self._handler(name, what))
+        # set_wakeup_fd writes a byte there at each signal; the port's select looks at it beside the
+        # device
         self.wakes, end = socket.socketpair()
         with self.wakes, end:
             before = _woken_by(end)

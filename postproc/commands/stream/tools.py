@@ -77,6 +77,7 @@ class Answers:
     def hears(self, kind: str, what: object) -> bool:
         """An entry of the sender's log; whether it is part of an answer."""
         if isinstance(what, WireLine) and what.text in changes.QUESTIONS:
+            # between a question's leaving and its answer, what the controller says is its words
             self._open = kind == "sent"
             if kind == "answered":
                 self.said[what.text] = self._texts
@@ -100,6 +101,7 @@ class Answers:
             for text in self.said[changes.ZEROS]
             if text.startswith("[") and not text.startswith("[MSG")
         ]
+        # a copy: the controller as it was before the job stays what the first leg went by
         heard = replace(self.controller, offsets=zeros, modal=modes)
         with self._news:
             self._asked = False
