@@ -86,6 +86,7 @@ def felt(d: Diagnosis) -> Iterator[tuple[drive.Drive, drive.Fitted]]:
     said = {f.block.key for f in d.findings if f.status == "accepted"}
     said |= {key.replace(UNEVEN, MEAN) for key in said if key.startswith(UNEVEN)}
     for one in d.drives:
+        # what is left of the squares: a force that is mostly cutting tells nothing of the drive
         for term in one.fitted if one.after**2 < ANOTHER * one.raw**2 else ():
             key = f"{term.term.name}:{one.axis}"
             if term.term.name in drive.NAMES and key not in said and not term.delayed:

@@ -99,6 +99,7 @@ def _means(columns: Columns, edges: np.ndarray) -> Columns:
 
 def fast_lines(time: np.ndarray, y: np.ndarray, step_s: float, above_hz: float) -> list[float]:
     """Hz: the strongest oscillations above a frequency, in samples y (n,) at times (n,) s."""
+    # onto an even grid: pauses between runs are zeros in it
     index = np.round((time - time.min()) / step_s).astype(int)
     if index.max() > MOST_SAMPLES or len(y) < 4 * SPECTRUM:
         return []

@@ -51,6 +51,7 @@ class Block:
     def let_go(self, again: deque[Block]) -> None:
         """Forget the columns, but not how many they are, where they show and how large. again: the
         last blocks that made them again."""
+        # worked out while the columns are there: what a scan and a search ask for of all blocks
         _ = self.width, self.shown, self.largest
         self.__dict__.pop("columns", None)
         self.__dict__["again"] = again

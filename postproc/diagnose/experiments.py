@@ -157,6 +157,7 @@ def separating(key: str, others: list[str], machine: Machine) -> str:
         )
     for names, least, shown in APART:
         alike = [c for c in candidates if c[0] in names]
+        # the set's own experiment, along the axes of the one that it shows: a pair for circles
         if name in names and len({n for n, _ in alike}) >= least:
             pair = next((a for _, a in alike if len(a) == 2), axis)
             own = next(

@@ -82,6 +82,7 @@ def in_motion(y: np.ndarray, run: np.ndarray) -> np.ndarray:
     inside[:2] = inside[-2:] = False
     if len(y) < AROUND or not inside.any():
         return np.zeros(len(y))
+    # without the sample itself, which must not speak for itself
     beside = np.median([np.roll(y, k) for k in (-2, -1, 1, 2)], axis=0)
     off = np.abs(y - beside) * inside
     usual = np.maximum(median_filter(off, AROUND), np.median(off[inside])) * outliers.MAD

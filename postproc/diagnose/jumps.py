@@ -41,5 +41,6 @@ def without(y: np.ndarray, kept: np.ndarray) -> np.ndarray:
     if not 0 < len(clear) <= FEW:
         return y
     steps = np.zeros(len(y))
+    # taken off from each jump on: their running sum
     steps[clear] = difference(y)[clear]
     return np.asarray(y - np.cumsum(steps))

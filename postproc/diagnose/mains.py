@@ -97,12 +97,15 @@ def _line(signals: list[Signal], longest: float, rate: float, middle: float, kep
     off = np.fft.fftfreq(size, BIN)
     around, near = np.abs(off) <= AROUND, np.abs(off) <= kept
     frequency = middle + off
+    # as samples of that rate show it: 50 Hz at 40 Hz is 10 Hz
     seen = np.abs(frequency - rate * np.round(frequency / rate))
     usable = around & (seen > max(CURVE / longest, LOWEST_HZ))
     if not usable[near].all():
         return 0.0
     power = np.zeros(size)
     for t, y, _ in signals:
+        # Turned back by the mains' frequency, what is left turns by `off` alone: coarse bins of 20
+        # ms hold it.
         wave, index = y * np.exp(-2j * np.pi * middle * t), ((t - t[0]) / BIN).astype(int)
         sums = np.bincount(index, wave.real, size) + 1j * np.bincount(index, wave.imag, size)
         one = np.abs(np.fft.fft(sums[:size])) ** 2

@@ -104,7 +104,7 @@ class Unit:
         first, step = result[free], max(order, CACHED // (result[:1].nbytes + 1))
         for begin in reversed(range(0, len(result), step)):  # in place: those before are not yet
             before = max(begin - order, 0)
-            scaled = result[before : begin + step].copy()
+            scaled = result[before : begin + step].copy()  # neighbours as they were
             block = result[begin : begin + step]
             for k, a in enumerate(self.ar, 1):
                 late = max(k - begin, 0)
@@ -235,13 +235,13 @@ def _sparse(rows: Rows, residual: np.ndarray, which: np.ndarray) -> float:
             if int(p) in first
         ]
         if len(pairs) > 1:
-            differences.append(np.diff(pairs) / 2.0)
+            differences.append(np.diff(pairs) / 2.0)  # of four readings
         elif pairs:
-            differences.append(np.array(pairs) / np.sqrt(2.0))
+            differences.append(np.array(pairs) / np.sqrt(2.0))  # of two
     if differences:
         flat = np.concatenate(differences)
         return spread(flat) if len(flat) > 3 else float(np.std(flat))
-    second = np.diff(y, 2) / np.sqrt(6.0)
+    second = np.diff(y, 2) / np.sqrt(6.0)  # of 1 -2 1: 1 + 4 + 1 variances
     return spread(second) if len(second) > 3 else float(np.std(y))
 
 
@@ -252,7 +252,7 @@ def _repeated(rows: Rows, residual: np.ndarray, own: np.ndarray) -> float:
         1
     ].ravel()
     count = np.bincount(group)
-    free = len(own) - len(count)
+    free = len(own) - len(count)  # a mean of each group is taken out
     if free < 4:
         return _sparse(rows, residual, own)
     mean = np.bincount(group, residual[own]) / count
@@ -282,7 +282,7 @@ def wander(unit: Unit) -> list[np.ndarray]:
         moments = np.unique(np.quantile(t, np.linspace(0, 1, min(nodes, n))))
         apart = np.abs(moments[:, None] - moments[None])
         root = np.linalg.cholesky(np.exp(-apart / max(tau, 1e-9)) + 1e-9 * np.eye(len(moments)))
-        found.append(hats(t, moments) @ root)
+        found.append(hats(t, moments) @ root)  # (n, M): times M standard normals, the process
         if nodes >= n:
             break
     return found
@@ -380,7 +380,7 @@ def autoregression(
     for q in posterior or []:
         for k in range(most + 1):
             sums[k] += float(np.einsum("ij,ij->", q[k:], q[: len(q) - k]))
-    covariance = sums / n
+    covariance = sums / n  # not n - k: such a sequence is never indefinite, so no process grows
     best = (np.zeros(0), 1.0)
     least = np.inf
     if covariance[0] <= 0:
@@ -394,7 +394,7 @@ def autoregression(
         else:
             a = np.zeros(0)
         share = max(1.0 - float(a @ covariance[1 : order + 1]) / covariance[0], 1e-4)
-        cost = n * np.log(share) + order * np.log(n)
+        cost = n * np.log(share) + order * np.log(n)  # the criterion, but for a constant
         if cost < least - 1e-9:
             least, best = cost, (a, share)
     return *best, float(np.sqrt(covariance[0]))

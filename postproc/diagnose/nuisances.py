@@ -306,6 +306,8 @@ def of_map(rows: Rows, machine: Machine) -> list[Group]:
         u = np.clip(rows.state.share(x), -1.2, 1.2)
         for along in range(3):
             enters = np.where(seen, rows.direction[:, along], 0.0)
+            # One group, one learned size, for all components: each in proportion to what is stated
+            # of it.
             times = _stated(machine, x, along) / MAP_UM
             for degree in DEGREES:
                 shape = enters * legendre(u, degree)
@@ -315,6 +317,7 @@ def of_map(rows: Rows, machine: Machine) -> list[Group]:
                     shape = shape + walls * _between(rows, x, degree)
                 smooth.append(times * shape)
             if along != XYZ.index(x):
+                # across its own axis a slope is an error of squareness, with a size of its own
                 square.append(enters * rows.state.position[x])
     groups = [("map", smooth, MAP_UM * 1e-3, 3 * MAP_UM * 1e-3), ("square", square, SQUARE, 0.0)]
     found = []

@@ -63,6 +63,8 @@ def _datum(part: Rows, machine: Machine, x: str) -> float | None:
 
     every = np.ones(len(part), bool)
     places = np.linspace(low, last, PLACES)
+    # (places, steps), of SIZE: where the map says of each step what was read, all are small
+    # together
     left = np.array([off(_moved(part, every, x, place)) for place in places])
     # the logarithms of their likelihoods, with long tails (Cauchy)
     worth = -np.log1p(left**2).sum(axis=1)

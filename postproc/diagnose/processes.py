@@ -17,10 +17,13 @@ def more(sets: Sets, state: Found, count: int) -> list[Found]:
         and (u, kind) not in state.fit.on
         and (state.members, (u, kind)) not in sets.hopeless
     }
+    # One step of learning each, from what the set has learned already: a ranking, no score. The few
+    # best are learned to the end by sets.of().
     worth = {
         process: sets.evidence.learn(state.fit.chosen, state.fit, on, 1, state.least).value
         for process, on in tried.items()
     }
+    # without its cost even: what gains nothing by itself gains nothing beside others of its kind
     hopeful = [process for process in tried if worth[process] > state.fit.value]
     sets.hopeless |= {(state.members, process) for process in tried.keys() - set(hopeful)}
     best = sorted(hopeful, key=lambda process: -worth[process])[:count]

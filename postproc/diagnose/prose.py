@@ -91,6 +91,8 @@ def sizes(d: Diagnosis, f: Finding) -> list[tuple[str, str, str]]:
 def worth(d: Diagnosis, f: Finding) -> str:
     """How much of the readings it explains, and how sure its name is."""
     part = (f.contribution - middle(d, f.contribution)) * UM
+    # about each signal's mean: a set-up zero explains nothing; the signal that shows it best is
+    # named
     most = {int(s): rms(part[d.rows.signal == s]) for s in np.unique(d.rows.signal)}
     best = max(most, key=lambda s: most[s])
     # um: two decimals would show 0.00

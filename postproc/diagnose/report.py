@@ -147,6 +147,7 @@ def _felt(one: Drive, term: Fitted) -> dict[str, Any]:
         "use": "simulate",
         "status": "accepted",
         "parameters": _terms(term),
+        # a force moves no reading: its size stands in its own unit below
         "rms_explained_um": 0.0,
         "signal": one.signal,
         f"rms_explained_{one.unit}": rounded(term.rms),
@@ -239,6 +240,7 @@ def _map_rows(d: Diagnosis) -> Iterator[tuple[Any, ...]]:
 
 def unknown_csv(d: Diagnosis) -> str:
     """The map of what is left as a table: something to look at; no compensator applies it."""
+    # the first two columns are named by what the map goes along, with its unit
     along = (
         "t_s"
         if d.unknown and d.unknown.along == "time"

@@ -22,6 +22,7 @@ def step(values: np.ndarray) -> np.ndarray:
     if len(np.unique(known[:HEAD])) < FEW and len(np.unique(known)) < FEW:
         return np.zeros(len(values))
     for digits in range(1, MOST_DIGITS + 1):
+        # 205.3 and 4.7 at four digits: scale is the last digit's unit of each value, 0.1 and 0.001
         if _has_digits(known[:HEAD], digits) and _has_digits(known, digits):
             size = np.maximum(np.abs(values), known.min())
             by_digits = 10.0 ** (np.floor(np.log10(size) + 1e-12) - digits + 1)

@@ -77,6 +77,7 @@ class Rows:
     def along(self, axis: str) -> tuple[np.ndarray, State]:
         """(M,) numbers of the rows whose reading has a part along an axis, and their state."""
         if axis not in self._along:
+            # exactly zero: a laser along Z sees nothing of X, however large
             own = np.flatnonzero(self.direction[:, XYZ.index(axis)])
             state = self.state if len(own) == len(self) else pick_state(self.state, own)
             self._along[axis] = own, state

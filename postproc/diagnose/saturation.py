@@ -31,6 +31,9 @@ def at_an_end(values: np.ndarray, place: np.ndarray) -> np.ndarray:
     usual = float(np.median(count))
     for k, next_ in ((0, 1), (-1, -2)):
         near = abs(number[k] - number[next_]) < NEAR * np.ptp(number)
+        #     count |                    *    readings that are cut off pile up at the end;
+        #           |  . .. . ... .. .. .*    an outlier there has no neighbour near it
+        #           +--------------------- value
         if near and count[k] >= max(FEWEST, SHARE * len(values), MORE * usual):
             result |= values == number[k]
     rest = values[~result]
@@ -67,6 +70,7 @@ def while_moving(cmd: np.ndarray, act: np.ndarray) -> np.ndarray:
         WENT * float(np.median(np.abs(act - cmd))),
         0.1,
     )
+    # begin, end, begin, end ... of the stretches
     edge = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(int), [0]])))
     for a, b in zip(edge[::2], edge[1::2], strict=True):
         if np.ptp(cmd[max(a - 1, 0) : b]) < least:

@@ -48,6 +48,7 @@ def _drifted(recording: Recording, columns: dict[str, np.ndarray], name: str) ->
     """Take out of a temperature what its thermometer shows wrongly in time; what was taken out."""
     faults: Faults = []
     order = np.argsort(columns["t_s"], kind="stable")
+    # one fault after the other: behind the first the channel may show another
     while found := thermometers.faulty(columns[name][order], columns["t_s"][order]):
         rows = order[found[0]]
         said = f"sensor_drift: {name} {found[1]}; it is taken as not recorded"

@@ -317,12 +317,14 @@ def _terms(rows: Rows, block: Block, value: np.ndarray) -> np.ndarray:
     part, state = block.columns @ value, rows.state
     terms = [part * np.clip(state.share(x), -1.2, 1.2) for x in block.axis if x in state.position]
     t = state.time
+    # -1 to 1 from the first to the last moment: it grows or fades
     terms.append(part * (2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1))
     if block.name not in FOUND:  # a wave has its own phase
         terms.append(_later(rows, part))
     for x in block.axis:
         if x in state.since:
             since = np.where(state.passage >= 0, state.since[x], np.inf)
+            # less, or more, while it builds up: at rest since is inf, and nothing of it
             terms += [BUILT_UP * part * np.exp(-since / tau) for tau in AFTER_TURN]
     return np.stack([c for c in terms if np.abs(c).max() > 1e-9]).T
 

@@ -106,6 +106,7 @@ def _in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) ->
         p = np.unique(np.round(place[which], 4))
         if len(p) > 6:
             rest = rows.state.passage[which][0] < 0
+            # a wave needs two readings a period (Nyquist), a little more in practice: 2.2
             gap = float(np.median(np.diff(p))) if rest else float(np.ptp(p)) / len(p) * 2
             finest = max(finest, 1 / max(2.2 * gap, 0.3))
             gaps += [gap] if rest else []
@@ -295,5 +296,6 @@ def _best(frequencies: np.ndarray, value: np.ndarray, apart: float) -> list[floa
         if left[k] <= 12.0:
             break
         result.append(float(frequencies[k]))
+        # a peak's own flanks are no further peaks
         left[np.abs(frequencies - frequencies[k]) < 2 * apart] = 0.0
     return result

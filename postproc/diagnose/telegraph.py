@@ -144,6 +144,7 @@ def _levels(rows: Rows, unit: Unit, fewest: int) -> np.ndarray | None:
         return None
     size = _steps(y, at)
     usual = float(np.median(np.abs(size)))
+    # up and down by turns, and by as much: two levels
     if np.any(size[1:] * size[:-1] >= 0) or np.any(np.abs(np.abs(size) - usual) > ALIKE * usual):
         return None
     if _at_places(rows, unit, at, size > 0):

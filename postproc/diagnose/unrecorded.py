@@ -47,6 +47,7 @@ def names(rows: Rows, block: Block, contribution: np.ndarray) -> list[str]:
         for axis in [""] if module.PER == "all" else list(block.axis)[:1]:
             known = rows.state.channel(*(c.format(axis) for c in DRIVERS.get(name, ())))
             missing = not library.needed(rows, module, axis) or (name in DRIVERS and known is None)
+            # no measured rotation, and none that could be fitted
             missing |= name == "abbe" and not module.shapes(rows.state, axis)
             if name != block.name and missing:
                 result.append(f"{name}:{axis}")

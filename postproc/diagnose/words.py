@@ -69,6 +69,7 @@ def parameters(
     names = list(files)
     result = []
     for name, v in value.items():
+        # no interval: the best of a grid, or what a choice stands for; it was not fitted
         low, high = ci95[name]
         fixed = high - low < 1e-12
         if name == "degree" or (v == usual.get(name) and (fixed or v == 0.0)):
