@@ -12,6 +12,8 @@ from postproc.units import URAD
 
 
 def parts(text: str, like: str, n: int) -> tuple[str, list[float]]:
+    """Name and n numbers of "NAME=1,2"; like: an example, for the message. Raises
+    ArgumentTypeError, as all functions here."""
     name, _, rest = text.strip().partition("=")
     try:
         numbers = [float(part) for part in rest.split(",")]
@@ -23,12 +25,14 @@ def parts(text: str, like: str, n: int) -> tuple[str, list[float]]:
 
 
 def axis(name: str, text: str) -> str:
+    """The letter, if it is one of a slide or a rotary axis."""
     if name not in (*XYZ, "A", "B", "C"):
         raise argparse.ArgumentTypeError(f"{text!r}: {name!r} is no axis")
     return name
 
 
 def travel(text: str) -> tuple[str, tuple[float, float]]:
+    """Axis, and mm from and to."""
     name, (low, high) = parts(text, "X=0,400", 2)
     if low >= high:
         raise argparse.ArgumentTypeError(f"{text!r}: the lower end comes first, X=0,400")
@@ -36,6 +40,7 @@ def travel(text: str) -> tuple[str, tuple[float, float]]:
 
 
 def length_of(text: str) -> tuple[str, float]:
+    """Axis, and mm of lost motion."""
     name, (size,) = parts(text, "X=0.05", 1)
     if not -1 <= size <= 2:
         raise argparse.ArgumentTypeError(
@@ -45,6 +50,7 @@ def length_of(text: str) -> tuple[str, float]:
 
 
 def scale(text: str) -> tuple[str, tuple[float, float]]:
+    """Axis, and mm commanded and measured."""
     name, (commanded, measured) = parts(text, "X=300,300.2", 2)
     if commanded <= 0 or measured <= 0:
         raise argparse.ArgumentTypeError(f"{text!r}: both ways are above zero, X=300,300.2")
@@ -55,6 +61,7 @@ Known = Callable[[argparse.Namespace], float | None]  # rad, by what the options
 
 
 def angle(text: str) -> tuple[str, float, str, Known]:
+    """Name of a squareness, rad, how it was found, and what tells its standard uncertainty."""
     name, (value,) = parts(text, "C0Y=120", 1)
     if name not in square.NAMES:
         raise argparse.ArgumentTypeError(
@@ -64,6 +71,7 @@ def angle(text: str) -> tuple[str, float, str, Known]:
 
 
 def drift(text: str) -> tuple[str, float, str, Known]:
+    """As `angle`, of a drift along a square."""
     names, (size, way) = parts(text, "X/Y=0.05,300", 2)
     drifts, _, moving = names.partition("/")
     if drifts not in tuple(XYZ) or moving not in tuple(XYZ) or drifts == moving or not way:
@@ -81,6 +89,7 @@ def drift(text: str) -> tuple[str, float, str, Known]:
 
 
 def diagonals(text: str) -> tuple[str, float, str, Known]:
+    """As `angle`, of the diagonals of a rectangle."""
     pair, (rising, falling, a, b) = parts(text, "XY=565.9,565.4,400,400", 4)
     if pair not in ("XY", "YZ", "XZ") or min(rising, falling, a, b) <= 0:
         raise argparse.ArgumentTypeError(

@@ -61,6 +61,7 @@ def _parameters(word: str, module: ModuleType, text: str) -> dict[str, float]:
 def forces(
     given: list[tuple[str, tuple[float, ...]]], machine: Machine
 ) -> dict[str, tuple[float, ...]]:
+    """Axis to N, of each run in turn. Raises UsageError for an axis that the machine has not."""
     for axis, _ in given:
         if axis not in machine.axes:
             raise UsageError(
@@ -71,6 +72,7 @@ def forces(
 
 
 def without(text: str, channels: dict) -> tuple[str, ...]:
+    """Names of the channels that --without names, T for all temperatures. Raises UsageError."""
     wanted = [word.strip() for word in text.split(",") if word.strip()]
     found: list[str] = []
     for word in wanted:

@@ -73,10 +73,12 @@ def pair(word: str) -> tuple[str, str]:
 
 
 def length(word: str) -> float:
+    """mm, as values.length; 0 is one, too. Raises ArgumentTypeError, as all here."""
     return 0.0 if word.strip() in ("0", "0.0", "0mm", "0um") else values.length(word)
 
 
 def tails(word: str) -> float:
+    """Degrees of freedom of Student's t, more than 2."""
     value = values.number(word)
     if value <= 2:
         raise argparse.ArgumentTypeError(
@@ -86,10 +88,12 @@ def tails(word: str) -> float:
 
 
 def zero(word: str) -> float | str:
+    """mm, or the word that says where the zero is."""
     return word if word in ("first", "random") else values.number(word)
 
 
 def force(word: str) -> tuple[str, tuple[float, ...]]:
+    """Axis, and N of each run in turn."""
     axis, sign, text = word.partition("=")
     if axis not in ("X", "Y", "Z") or not sign:
         raise argparse.ArgumentTypeError(f"{word!r} is not like X=0:300 (N, in each run in turn)")

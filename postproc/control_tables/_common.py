@@ -87,6 +87,7 @@ def checked(tables: Sequence[ErrorTable]) -> list[ErrorTable]:
         seen.add(table.name)
         if not len(table.nodes) or np.any(np.diff(table.nodes) <= 0):
             raise TableError(f"the nodes of {table.name} do not ascend")
+            # nan is a number of no control
         if not all(np.all(np.isfinite(v)) for v in (table.nodes, table.forward, table.reverse)):
             raise TableError(f"{table.name} has values that are not finite")
     return list(tables)
@@ -200,6 +201,7 @@ def even_mean(
 ) -> tuple[ErrorTable, float]:
     """The mean of both directions at even nodes, one of them the reference, and zero there; and the
     constant in mm that was taken off."""
+    # the reference is made a node first: at even nodes only a node can be zero exactly
     home = reference(table, options, notices)
     whole = sampled(mean(table), np.union1d(table.nodes, [home]))
     return zeroed(even(whole, options, home, most), home, 0.0, notices)
@@ -243,6 +245,7 @@ def even_nodes(
     if step < 0 or abs(step / multiple - round(step / multiple)) > 1e-6:
         raise UsageError(f"a spacing of {step:g} mm is not a multiple of {multiple:g} mm")
     long = float(table.nodes[-1]) - float(table.nodes[0])
+    # two of the points may lie beyond the ends, on either side
     least = long / max(1, most - 2)
     if step and (count := len(_covering(places, step))) > most:
         raise TableError(

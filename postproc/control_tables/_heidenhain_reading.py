@@ -71,6 +71,7 @@ def _entry(
     edges = [start for _, start in columns[1:]] + [None]
     cells = {h: at.text[a:b].strip() for (h, a), b in zip(columns, edges, strict=True)}
     row = {h: at.finite(c, h) for h, c in cells.items() if c}
+    # numbered from 0 without a gap: a row that is lost in a copy shows
     if row.get("NR") != len(rows):
         raise at.fault(f"row {cells['NR']!r} where NR {len(rows)} is due")
     if "AXISPOS" not in row:

@@ -48,6 +48,7 @@ FLANGE = (
 
 def plain(value: float) -> str:
     """The shortest text of the number rounded to DECIMALS, never with an exponent and never -0."""
+    # + 0.0 turns -0.0 into 0.0
     return str(np.format_float_positional(round(float(value), DECIMALS) + 0.0, trim="0"))
 
 
@@ -151,6 +152,7 @@ class Collected:
             )
 
     def component(self, name: str, nodes: np.ndarray, values: np.ndarray) -> None:
+        # EXZ: row EX of the table over Z; one direction, so both columns are alike
         self.parts.setdefault(name[2], []).append(
             (COMPONENTS.index(name[:2]), nodes, values, values)
         )

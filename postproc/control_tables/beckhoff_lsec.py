@@ -94,6 +94,7 @@ def _text(table: ErrorTable, options: ExportOptions, notices: list[str]) -> byte
     if key not in options.extra:
         notices.append(f"{x} is written as logical axis {usual}: --set {key}=N if it is another")
     logical = common.whole(options, key, usual, 1, 65535)
+    # 0: each point brings its setpoint, so that the map's own nodes are written and nothing is lost
     gap = int(places[1] - places[0]) if options.spacing and len(places) > 1 else 0
     bilateral = int(not np.array_equal(pos, neg))
     head = [

@@ -32,6 +32,14 @@ TITLE = "Etalon exchange text (TRAC-CAL, LineCal; read by ISG and Beckhoff VolCo
 VERIFIED = True
 UNVERIFIED = "the sign of a component, and from where arms count"
 SIGN = volumetric.SIGN
+#     // comment
+#     [EXX]
+#     Gridpoints = {
+#         0.0 0.0001            argument mm, value mm (rad)
+#         100.0 0.0003
+#     }
+#     [C0Y]
+#     VALUE = -0.000012         rad
 EXTRA = volumetric.EXTRA
 
 
@@ -73,6 +81,7 @@ def _flat(machine: Machine, found: VolumetricMap, left: dict[str, float]) -> Vol
             f"the format has one argument: errors of {grid.letter} over {grid.other} are written as"
             " their middle"
         )
+        # six rows, EX EY EZ EA EB EC, the same for both directions
         parts = [(i, grid.nodes, middle[i], middle[i]) for i in range(6)]
         if (own := axes.get(grid.letter)) is not None:
             nodes = np.union1d(own.nodes, grid.nodes)

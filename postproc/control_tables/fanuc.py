@@ -160,6 +160,8 @@ def _points(table: ErrorTable, options: ExportOptions, both: bool, notices: list
     most = common.whole(options, "points", 128, 2, LARGEST_NUMBER)
     small = listings.increment(options)
     spacing = options.spacing
+    # The spacing that the nodes ask for; where that needs a magnification, half of it, as long as
+    # the points suffice and the step is a whole number of increments.
     while True:
         even = common.even(chosen, replace(options, spacing=spacing), home, most + 1, small)
         noticed: list[str] = []
@@ -218,6 +220,7 @@ def _increments(
 def _opposite(even: ErrorTable, options: ExportOptions, home: float, way: float) -> int:
     """3627 in detection units: what is added at the reference when it is reached from the other
     side."""
+    # by the other side's curve, whose own sum does not begin at zero there
     return round(-float(even.at(np.array([home]), -way)[0]) / options.step)
 
 

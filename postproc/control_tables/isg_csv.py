@@ -198,6 +198,7 @@ class _Block:
 
     @property
     def column(self) -> dict[str, np.ndarray]:
+        """Name to (R,) numbers of its rows, mm or rad."""
         return dict(zip(self.names, np.array(self.rows).T, strict=True))
 
 

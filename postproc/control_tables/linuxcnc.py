@@ -45,6 +45,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     remainder: dict[str, float] = {}
     for table in kept:
         chosen = common.chosen(table, options, 1 << 20)
+        # beyond 256 LinuxCNC refuses the rest, in the middle of the travel
         thin, lost = thinned(chosen, ENTRIES)
         if lost > bound:
             raise TableError(

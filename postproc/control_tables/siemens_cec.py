@@ -83,6 +83,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         chosen = table if options.two_way else common.mean(table)
         written = common.even(chosen, options, float(chosen.nodes[0]), most)
         written, shifts[table.name] = common.zeroed(written, at, 0.0, notices)
+        # DIRECTION 1 and -1, a table each, where the deviation differs; else 0, one for both
         ways = (
             (("1", written.forward), ("-1", written.reverse))
             if written.two_way

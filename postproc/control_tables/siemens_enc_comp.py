@@ -30,6 +30,12 @@ EXTRA = {
     "channel": "1",
 }
 DECIMALS = {"mm": 5, "inch": 7}
+#     %_N_AX_EEC_INI
+#     CHANDATA(1)
+#     $AA_ENC_COMP[0,0,X1]=0.00300         encoder, point, axis
+#     $AA_ENC_COMP[0,1,X1]=0.00180
+#     $AA_ENC_COMP_STEP[0,X1]=50           _MIN, _MAX and _IS_MODULO beside it
+#     M17
 FRAME = re.compile(r"|%.*|CHANDATA.*|M0", re.IGNORECASE)
 WORD = re.compile(
     r"\$AA_ENC_COMP(_STEP|_MIN|_MAX|_IS_MODULO)?\s*\[([^\]]*)\]\s*=\s*(\S+)", re.IGNORECASE

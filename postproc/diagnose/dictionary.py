@@ -59,6 +59,7 @@ class Growing:
 
     @property
     def now(self) -> np.ndarray:
+        """(n, K): what was put in so far."""
         return self._room[:, : self._used]
 
     def reserve(self, more: int) -> None:
@@ -111,10 +112,12 @@ class Dictionary:
 
     @property
     def bd(self) -> np.ndarray:
+        """(q, K) products with the own columns."""
         return self._bd.now
 
     @property
     def zd(self) -> np.ndarray:
+        """(f, K) products with those that are shared."""
         return self._zd.now
 
     def add(self, blocks: list[tuple[int, int, Block]]) -> None:

@@ -69,14 +69,18 @@ class Term:
     positive: bool = False  # its first coefficient can not be below zero
 
     def columns(self, motion: Motion) -> np.ndarray:
+        """(N, K): of each coefficient what one of it adds to the response of each sample."""
         return np.stack(self.of(motion), axis=1)
 
     def named(self, value: np.ndarray) -> dict[str, float]:
+        """Parameter to value of coefficients (K,), in the units of the names; what its shape states
+        beside them."""
         if self.name == "force_ripple":
             return {self.parameters[0]: float(np.hypot(*value))} | dict(self.shape)
         return {n: float(v) for n, v in zip(self.parameters, value, strict=True)} | dict(self.shape)
 
     def errors(self, value: np.ndarray, covariance: np.ndarray) -> dict[str, float]:
+        """Parameter to the standard error of coefficients (K,) with a covariance (K, K)."""
         if self.name == "force_ripple":
             # gradient of sqrt(c^2 + s^2) by c and s: the error of the amplitude, to first order
             slope = value / max(float(np.hypot(*value)), 1e-12)

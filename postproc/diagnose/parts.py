@@ -79,10 +79,12 @@ class Reduced:
 
     @property
     def hf(self) -> np.ndarray:
+        """(q, f): of the shared columns."""
         return self.half[:, :-1]
 
     @property
     def hy(self) -> np.ndarray:
+        """(q,): of the readings."""
         return self.half[:, -1]
 
     def let_go(self) -> None:
@@ -96,6 +98,7 @@ class Reduced:
 
     @property
     def use(self) -> np.ndarray:
+        """(q,) numbers of the own columns that count."""
         return self.asked.own.use
 
 
@@ -301,6 +304,7 @@ def cholesky(m: np.ndarray) -> np.ndarray:
 
 
 def solved(root: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """root^-1 b, of a lower triangle (q, q) and b (q, K)."""
     return dtrtrs(root, b, lower=1)[0] if len(root) and b.size else b
 
 
@@ -310,4 +314,5 @@ def solved_back(root: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def inverted(root: np.ndarray) -> np.ndarray:
+    """root^-1 (q, q), a lower triangle."""
     return dtrtri(root, lower=1)[0] if len(root) else root

@@ -92,6 +92,7 @@ class SharedJump:
     )
 
     def parameters(self) -> dict[str, float]:
+        """As PARAMETERS names them, in its units."""
         return {
             "from_mm": self.low,
             "to_mm": self.high,

@@ -37,6 +37,7 @@ def fit_of(d: Diagnosis) -> dict[str, Any]:
 
 
 def rms(values: np.ndarray) -> float:
+    """Root of the mean square of values (N,), in their unit; 0 of none."""
     return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
 
 

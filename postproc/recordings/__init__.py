@@ -145,6 +145,7 @@ class Recording:
             "targets": "reading_urad" if self.quantity == "angle" else "reading_um",
             "ballbar": "radial_um",
         }[self.kind]
+        # from here on mm and rad; a recording's columns stay in the units of their names
         return self.columns[name] * self.unit
 
     def pick(self, which: np.ndarray) -> Recording:

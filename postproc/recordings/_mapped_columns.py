@@ -13,6 +13,8 @@ from postproc.recordings import _components as components
 from postproc.recordings import _text as text
 from postproc.units import MM_PER_INCH
 
+#     Z_mm, Z_in           a position       reading_um, actual_mm      a reading, a position for it
+#     C_deg                                 forward2_um, reverse_um    one column to each run
 POSITION = re.compile(r"([XYZ](?!_deg)|[ABC](?=_deg))_(mm|in|inch|deg)")
 READING = re.compile(r"(reading|actual)(?:_(.+))?")
 WAY = re.compile(r"(forward|reverse)([0-9]{0,3})(?:_(.+))?")

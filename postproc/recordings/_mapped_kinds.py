@@ -60,6 +60,7 @@ def read(
     if kind == "ballbar":
         arrays = _circle(head, _radial(options, arrays), len(lines), notices)
     if "run" not in arrays and kind != "features":
+        # one recording is one run, where nothing says otherwise
         arrays["run"] = np.ones(len(lines))
     try:
         contract.needed(

@@ -76,6 +76,7 @@ def number(cell: str, decimal: str = ".") -> float | None:
             return None
     if not NUMBER.fullmatch(plain):
         return None
+    # 1e999 is inf, and no reading
     value = float(plain)
     return value if math.isfinite(value) else None
 
@@ -163,6 +164,7 @@ def _moment(
     """A date and time: the first one, and s since then. Raises RecordingError."""
     try:
         moment = datetime.datetime.fromisoformat(cell)
+        # s since the first row: which day it was says nothing of a machine
         start = start or moment
         return start, (moment - start).total_seconds()
     except (ValueError, TypeError):
@@ -265,6 +267,8 @@ def _numbers(cells: list[str]) -> list[str]:
 
 def _delimiter(lines: list[tuple[int, str]]) -> str:
     best, most = "", 0
+    # The sign that gives most lines the same number of cells: a comma in two remarks loses against
+    # a semicolon in every row.
     for sign in DELIMITERS:
         counts: Counter[int] = Counter()
         for _, line in lines:

@@ -18,6 +18,10 @@ from postproc.recordings import _targets as targets
 from postproc.recordings import _text as text
 from postproc.recordings import _units as units
 
+#     component,axis,target,run,dir,value,unit,t_air
+#     EZZ,Z,0.0,1,+,0.7,um,20.1
+#     EZZ,Z,50.0,1,+,3.1,um,20.1
+#     EBZ,Z,0.0,1,+,1.2,arcsec,20.1        another component: a recording of its own
 TITLE = "long table (component,axis,target,run,dir,value,unit,...)"
 TAKES = ("axis", "component", "unit", "first", "others", "machine", "head")
 EXTRA = {"decimal": ". or ,: the decimal sign, where it is not clear"}

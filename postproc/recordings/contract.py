@@ -142,6 +142,7 @@ def _check_targets(head: dict[str, Any], fault: Callable[..., GcompError]) -> No
             f"{_said(head, 'sensitive')}: a vector is wanted",
             "like sensitive = { X = 0.0, Z = 1.0 }",
         )
+    # 0.707 and 0.707 for 45 degrees are near enough
     length = math.sqrt(sum(v * v for v in vector.values()))
     if abs(length - 1) > 1e-3:
         raise fault(
@@ -205,6 +206,7 @@ def needed(head: dict[str, Any], names: list[str], place: Place) -> set[str]:
             raise RecordingError(
                 f"the column {name} is missing", f"columns here: {', '.join(names)}", place
             )
+    # a row without a number there would belong to no set-up, and to all of them
     return wanted | (PARTED & set(names))
 
 

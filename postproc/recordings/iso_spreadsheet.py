@@ -49,6 +49,7 @@ def recognises(source: Source) -> bool:
     """A table whose headings name the direction of every column, or name target, run and
     deviation."""
     marked = source.data.startswith(tuple(text.BOMS))
+    # laser text, or a binary file: either may hold words like run and forward
     if b"HEADER::" in source.data[:200] or (b"\x00" in source.data[:200] and not marked):
         return False
     try:
@@ -157,6 +158,7 @@ class Row:
 
 def _row(line: int, cells: list[str], at: dict[str, int], titles: list[str], decimal: str) -> Row:
     """One reading; titles: the headings."""
+    # a row may stop short of its headings
     cells = cells + [""] * len(titles)
     cell = {what: cells[j] for what, j in at.items()}
     target, run, value = (text.number(cell[what], decimal) for what in ("target", "run", "value"))

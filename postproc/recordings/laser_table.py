@@ -91,6 +91,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     found, faults = _sheet.cells(source, table, sheet, options)
     notices += _sheet.missing(faults)
     _averages(sheet, table, found, notices)
+    # one value each for the whole recording: a column of the same number in every row
     columns, noted, more = environment.taken(_keys(lines[weather + 1 :], lower=False).items())
     readings = _readings(found, scale, columns)
     head = {

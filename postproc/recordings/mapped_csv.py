@@ -213,6 +213,7 @@ def _take_number(row: Row, name: str, cell: str, table: text.Table, reading: boo
         row.numbers[name] = value
         return text.wrong_run(value) if name == "run" else ""
     if not cell and reading:
+        # of several readings in a row one may be missing; the others count
         row.empty.append(name)
         return ""
     return f"{name} {cell!r} is not a number" if cell else f"{name} is empty"

@@ -76,6 +76,7 @@ def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
     letter, idle = names[0][0], _idle(names, Place(source.name, head_line))
     found = [(m, k) for k, n in enumerate(names) if (m := COMPONENT.fullmatch(n))]
     for column, _ in found:
+        # EYX over Z_mm would be read as straightness of Z
         if column[2] != letter:
             raise source.fault(
                 head_line,

@@ -97,4 +97,7 @@ class Write:
     data: bytes
 
 
+# What the sender does with each (sender.py): Accepted and Rejected end a line's waiting, Alarm,
+# Restarted, Stray and Altered the job; Busy and Write begin its patience anew; a Status may tell
+# rest, a hold or a place beside the path; a Message is shown.
 Event = Accepted | Rejected | Alarm | Restarted | Status | Message | Stray | Altered | Busy | Write

@@ -225,6 +225,7 @@ class Order:
         if self._answered and self._fresh:
             self._rests = 0 if waits else self._rests + 1
             self.done = self._rests >= 2
+        # the report behind the next question was asked for after the answer
         self._fresh = self._answered
 
     def tick(self, now: float) -> None:

@@ -56,10 +56,13 @@ class Reception:
         """What a plug makes, and a tape's leader. wrong: its parity is."""
         if letter in SKIPPED or letter in (0x0D, DC4):
             return True
+        # Before the first letter anything goes: a plug that is put in makes bytes of its own.
         return not self.started and (wrong or not 0x20 < letter < 0x7F)
 
     def _take(self, value: int) -> None:
         here = f"line {self.lines + 1} of what came in"
+        # ones in all 8 bits, parity bit included: an odd number of them is right for O, an even one
+        # for E
         wrong = self.parity != "N" and ODD[value] != (self.parity == "O")
         letter = value & 0x7F if self.seven else value
         if wrong and self.started:

@@ -199,6 +199,7 @@ def answers(rest: bytes, data: bytes) -> tuple[list[str], bytes]:
     """Of a controller that answers in lines: the answers that are whole, without line ends, blanks
     around them and empty ones, and what is left of the next. rest: what the last call left."""
     *lines, rest = (rest + data).split(b"\n")
+    # a controller that never ends a line (another baud rate) must not fill the memory
     if len(rest) > LONGEST_ANSWER:
         lines, rest = [*lines, rest], b""
     texts = (line.strip(b"\r\0 \t").decode("latin-1") for line in lines)
