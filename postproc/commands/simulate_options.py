@@ -88,7 +88,7 @@ def tails(word: str) -> float:
 
 
 def zero(word: str) -> float | str:
-    """mm, or the word that says where the zero is."""
+    """um, or the word that says where the zero is."""
     return word if word in ("first", "random") else values.number(word)
 
 
