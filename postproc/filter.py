@@ -327,7 +327,7 @@ class Filter:
 
     def _of_heat(self, notice: Notice, words: Words) -> Notice:
         """A notice of what heat does, at the line of its block, or of no line."""
-        of_all = notice.code in ("heat", "heat stops", "heat surface")
+        of_all = notice.code in ("heat", "heat stops", "heat dwells", "heat surface")
         return replace(
             notice, line=-self.summary.lines - 1 if of_all else int(words.line[notice.line])
         )

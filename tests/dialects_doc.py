@@ -7,7 +7,7 @@ import re
 from collections import defaultdict
 from pathlib import Path
 
-from postproc.nc import codes, dialects
+from postproc.nc import codes, dialects, pace
 
 ROOT = Path(__file__).parents[1]
 DOC = ROOT / "docs" / "DIALECTS.md"
@@ -51,6 +51,16 @@ where the language has variables. Which axis words are diameters is said by mach
 """
 
 
+def _dwell(dialect: dialects.Dialect) -> str:
+    """What its letters count (nc/pace.py), and what is not known of them."""
+    told = []
+    for letter, unit in pace.letters_of_dwell(dialect).items():
+        more = " (ms without a point)" if pace.without_a_point(dialect, letter) == 1e-3 else ""
+        told.append(f"{letter} in {'s' if unit == 1.0 else 'ms'}{more}")
+    word = pace.first_word(dialect)
+    return "; ".join([*told, *([pace.UNTIMED[word]] if word in pace.UNTIMED else [])])
+
+
 def chapter(dialect: dialects.Dialect) -> str:
     """What the page says of one dialect."""
     kinds: dict[str, list[str]] = defaultdict(list)
@@ -89,6 +99,8 @@ def chapter(dialect: dialects.Dialect) -> str:
             else "least increments",
         )
     )
+    if 40 in dialect.by_number:
+        rows.append(("a dwell's time", _dwell(dialect)))
     rows.append(
         (
             "`;`",

@@ -27,7 +27,8 @@ class ClockState:
     """What one batch hands the next. now: microseconds since the program began; spoken: of the
     spindle; without: motions that had no feed and took no time; stops: how often a person, or a
     tool changer, was waited for; radius: mm, where X stands;
-    unlimited: blocks under G96 of which no limit is told."""
+    unlimited: blocks under G96 of which no limit is told; untimed: dwells whose time is not
+    known."""
 
     now: int = 0
     spoken: pace.Spoken = field(default_factory=pace.Spoken)
@@ -35,6 +36,7 @@ class ClockState:
     stops: int = 0
     radius: float = 0.0
     unlimited: int = 0
+    untimed: int = 0
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,7 @@ def run(
     rpm = _turns(motions, spindle) if n else np.zeros(0)
     took, without = _durations(motions, spindle, rpm, rates)
     micros = np.rint(took * MICRO).astype(np.int64)
-    dwells = _dwells(words, motions, spindle, rates, before.radius)
+    dwells, untimed = _dwells(words, motions, spindle, rates, before.radius)
     waits = np.bincount(dwells.before, weights=dwells.took, minlength=n + 1).astype(np.int64)
     end = before.now + np.cumsum(micros + waits[:-1])
     now = (int(end[-1]) if n else before.now) + int(waits[-1])
@@ -96,27 +98,29 @@ def run(
         before.stops + _stops(words, rates),
         float(_radius(motions)[-1]) if n else before.radius,
         before.unlimited + int((spindle.on & spindle.surface & np.isinf(spindle.cap)).sum()),
+        before.untimed + untimed,
     )
     return Times(end - micros, end, rpm, dwells), after
 
 
 def _dwells(
     words: Words, motions: Motions, spindle: pace.Spindle, rates: Rates, radius: float
-) -> Dwells:
-    """Every dwell, behind the motions of its own block; one whose time is not known dwells 0.
-    radius: mm, where X stands before the batch."""
+) -> tuple[Dwells, int]:
+    """Every dwell, behind the motions of its own block, and of how many the time is not known:
+    these dwell 0. radius: mm, where X stands before the batch."""
     live = pace.live(words, rates.dialect)
-    found = []
+    found, untimed = [], 0
     for block in pace.dwells(words):
         if block <= live:
             seconds = pace.seconds(words, block, rates.dialect)
             if 0 < seconds <= pace.LONGEST:
                 found.append((block, round(seconds * MICRO)))
+            untimed += not 0 <= seconds <= pace.LONGEST
     blocks = np.array([block for block, _ in found], np.int64)
     before = np.searchsorted(motions.block, blocks, "right")
     stands = np.concatenate([[radius], _radius(motions)])[before]
     took = np.array([micros for _, micros in found], np.int64)
-    return Dwells(before, took, spindle.turns(blocks, stands))
+    return Dwells(before, took, spindle.turns(blocks, stands)), untimed
 
 
 def _stops(words: Words, rates: Rates) -> int:

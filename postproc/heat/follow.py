@@ -20,6 +20,7 @@ from postproc.heat.course import Course, Lags, State, spindle_lags
 from postproc.heat.log import Log, Newest
 from postproc.machine.axis import Driver
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE, Motions, Spells
+from postproc.nc import pace
 from postproc.nc.lexer import Words
 from postproc.units import UM
 
@@ -90,9 +91,9 @@ class Heat:
         )
         after = replace(after, most=most)
         notices += [Notice("heat", self.sentence(after), size=1.0 + after.clock_state.now)]
-        notices += self._stops(after.clock_state.stops) + self._unlimited(
-            after.clock_state.unlimited
-        )
+        state = after.clock_state
+        notices += self._stops(state.stops) + self._untimed(state.untimed)
+        notices += self._unlimited(state.unlimited)
         return replace(motions, heat=steps, spells=spells), after, notices
 
     def course(self, words: Words, motions: Motions, before: HeatState) -> tuple[Course, HeatState]:
@@ -177,6 +178,17 @@ class Heat:
             " it came at once (G4 in their place counts)"
         )
         return [Notice("heat stops", message, size=float(stops))]
+
+    def _untimed(self, dwells: int) -> list[Notice]:
+        """What is said of dwells whose time is not known."""
+        if not dwells or (isinstance(self.log, Newest) and all(d.column for d in self.drivers)):
+            return []
+        message = (
+            f"heat over time: {dwells} dwells (G4) take no time by the program's clock: how long"
+            f" they last on {self.rates.dialect.title} is not known"
+            f" ({pace.told_by(self.rates.dialect)})"
+        )
+        return [Notice("heat dwells", message, size=float(dwells))]
 
     def _unlimited(self, blocks: int) -> list[Notice]:
         """What is taken of turns under G96 where the program tells no limit of them."""

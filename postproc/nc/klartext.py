@@ -10,9 +10,10 @@ with the number of its reason (REASONS). Lines are looked at one by one, whateve
 them: any cut of the text reads alike.
 
 HEIDENHAIN TNC 640 (81760x), TNC 620 (81760x), iTNC 530 user's manuals, Klartext programming:
-"Structure of an NC program", "Programming tool movements", "Miscellaneous functions", cycles 7, 8,
-10, 11, 19, 26, 247; Data Interfaces for HEIDENHAIN controls (SHB), "Decimal point or comma" (MP 92;
-MP 7280 of later ones): a point is written here, as posts write it whatever the control is set to.
+"Structure of an NC program", "Programming tool movements", "Miscellaneous functions", cycles 7 to
+11, 19, 26, 247, "Dwell time FUNCTION DWELL"; Data Interfaces for HEIDENHAIN controls (SHB),
+"Decimal point or comma" (MP 92; MP 7280 of later ones): a point is written here, as posts write it
+whatever the control is set to.
 """
 
 from __future__ import annotations
@@ -70,6 +71,10 @@ DELTA = re.compile(rb"\bD(L|R2?)[ \t]*([+-]?(?:[0-9.]+|Q[LR]?[0-9]+))?")
 CYCLE = re.compile(rb"CYCL[ \t]+DEF[ \t]*([0-9]+)(?:[ \t]*\.([0-9]+))?")
 CALLED = re.compile(rb"CYCL[ \t]+CALL(?![ \t]*(?:PAT|POS))")
 VALUE = re.compile(rb"[-+]?[0-9]*\.?[0-9]+")
+DWELL = re.compile(rb"[ \t]*(?:DWELL|V\.[ \t]*ZEIT)[ \t]*[+]?([0-9]*\.?[0-9]+)\.?[ \t\r]*\Z")
+DWELLS = re.compile(
+    rb"FUNCTION[ \t]+DWELL\b[ \t]*(?:TIME[ \t]*[+]?([0-9]*\.?[0-9]+)\.?[ \t\r]*\Z)?"
+)
 PATTERNS = (220, 221)
 MOVES_AT_ONCE = (224, 238, 239)
 TURNS = {8: "", 10: "0", 11: "1", 19: "0", 26: "1"}  # a value that turns, scales, mirrors nothing
@@ -263,6 +268,8 @@ def _cycle(text: bytes) -> bytes:
         return ZERO.ljust(len(text))
     if number == 7 and part not in (None, b"0"):
         return _shift(text, match.end())
+    if number == 9 and part not in (None, b"0"):
+        return _dwell(text, DWELL.match(text, match.end()))
     if why := _moves_otherwise(number):
         return _macro(text, why)
     if number in TURNS and part not in (None, b"0") and rest.strip():
@@ -270,6 +277,13 @@ def _cycle(text: bytes) -> bytes:
     if number in ACT_AT_ONCE or part not in (None, b"0"):
         return _blank(text)
     return (b"G207" if number in STAY else b"G200").ljust(len(text))
+
+
+def _dwell(text: bytes, time: re.Match[bytes] | None) -> bytes:
+    """A dwell; time: the match whose group 1 is how many seconds, if any."""
+    if time is None or time[1] is None:
+        return b"G4".ljust(len(text))
+    return b"G4" + b"F".rjust(time.start(1) - 2) + time[1]
 
 
 def _moves_otherwise(number: int) -> str:
@@ -325,6 +339,8 @@ def _function(text: bytes) -> bytes:
         return b"M129"
     if AS_M128.match(text):
         return b"M128"
+    if dwells := DWELLS.match(text):
+        return _dwell(text, dwells)
     return _macro(text, codes.TOOL_POINT if b"TCPM" in text else SETS)
 
 

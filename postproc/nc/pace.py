@@ -19,7 +19,11 @@ from postproc.nc.grammar import KEYWORD_LETTER, PARAMETER
 from postproc.nc.lexer import Words
 from postproc.units import TICKS_PER_MM
 
-# dialect (its first word) to the letters of a dwell and the seconds of one unit of each
+# By the first word of a dialect's name: the letters of a dwell's time (G4) and the seconds of one
+# unit of each; of two in a block the first here holds. Sources, where the dialect's file names
+# none: Autodesk's okuma.cps and centroid.cps (onDwell); OSP-P200L programming manual, section 2-3,
+# UNIT: one unit of time is 1 s where one of length is 1 mm; Klipper, klippy/toolhead.py, cmd_G4 (P
+# alone); Smoothieware, Robot.cpp, on_gcode_received, case 4; marlinfw.org, G4: S before P.
 SECONDS = {
     "fanuc": {"P": 1e-3, "X": 1.0, "U": 1.0},
     "haas": {"P": 1.0},
@@ -27,12 +31,43 @@ SECONDS = {
     "grbl": {"P": 1.0},
     "grblhal": {"P": 1.0},
     "fluidnc": {"P": 1.0},
-    "marlin": {"P": 1e-3, "S": 1.0},
-    "reprap": {"P": 1e-3, "S": 1.0},
+    "marlin": {"S": 1.0, "P": 1e-3},
+    "reprap": {"S": 1.0, "P": 1e-3},
     "siemens": {"F": 1.0},
     "heidenhain": {"F": 1.0},
+    "centroid": {"P": 1.0},
+    "fadal": {"P": 1e-3},
+    "fagor": {"K": 1.0},
+    "klipper": {"P": 1e-3},
+    "okuma": {"F": 1.0},
+    "smoothie": {"S": 1.0},
 }
-LIMITED = ("fanuc", "haas", "okuma", "fagor")  # G50 S or G92 S is the fastest that G96 turns
+# What is not known of a dwell's time, and what to do. K of Fagor: Autodesk's fagor.cps for the 8037
+# and 8055 ("centiseconds", whole numbers) and the one for the 8058 to 8070 ("seconds"). Mach3:
+# mach3mill.cps, dwellInSeconds. P of Smoothieware: is_grbl_mode in Robot.cpp.
+UNTIMED = {
+    "fagor": (
+        "K without a decimal point is hundredths of a second on the 8055 and seconds on the 8065:"
+        " write seconds with a point"
+    ),
+    "klipper": "S is not read: write P, which is milliseconds",
+    "mach3": "P is seconds or milliseconds by a setting: seconds are read under --dialect linuxcnc",
+    "smoothie": "P is seconds or milliseconds by a setting: write S, which is seconds",
+    "siemens": "S is turns of the spindle: write F, which is seconds",
+}
+POINTED = ("fagor",)  # a number without a decimal point is not known
+WHOLE = ("smoothie",)  # what stands behind the decimal point is dropped
+# By the first word: the letter of the fastest that G96 turns, and ten times the codes beside which
+# it stands. D: LinuxCNC, and grblHAL's gcode.c; Sinumerik has LIMS= too.
+LIMITS = {
+    "fanuc": ("S", (500, 920)),
+    "haas": ("S", (500, 920)),
+    "okuma": ("S", (500, 920)),
+    "fagor": ("S", (920,)),
+    "linuxcnc": ("D", (960,)),
+    "grblhal": ("D", (960,)),
+    "siemens": ("S", (260,)),
+}
 PER_TURN, SURFACE = 950, 960  # G95, G96
 DWELL = 40  # G4
 # mm: radius below which G96 does not turn a spindle any faster, where no limit is told
@@ -127,15 +162,12 @@ def spindle(words: Words, dialect: Dialect, before: Spoken) -> tuple[Spindle, Sp
 def _limits(
     words: Words, dialect: Dialect, number: np.ndarray, place: np.ndarray, turns: np.ndarray
 ) -> np.ndarray:
-    """Words that say how fast G96 may turn the spindle, and are no speed: S beside G50 or G92
-    (Fanuc, Haas, Okuma, Fagor), S beside G26 and LIMS= (Sinumerik), D beside G96 (LinuxCNC)."""
-    name = dialect.name.partition("-")[0]
-    if name == "linuxcnc":
-        letters = np.flatnonzero(words.letter == ord("D"))
-        beside: tuple[int, ...] = (SURFACE,)
-    else:
-        letters = turns
-        beside = {"siemens": (260,)}.get(name, (500, 920) if name in LIMITED else ())
+    """Words that say how fast G96 may turn the spindle, and are no speed (LIMITS)."""
+    name = first_word(dialect)
+    if name not in LIMITS:
+        return np.zeros(0, np.int64)
+    letter, beside = LIMITS[name]
+    letters = turns if letter == "S" else np.flatnonzero(words.letter == ord(letter))
     blocks = words.block[place[np.isin(number, beside)]]
     found = letters[np.isin(words.block[letters], blocks)]
     if name != "siemens":
@@ -161,24 +193,46 @@ def live(words: Words, dialect: Dialect) -> int:
     return int(words.block[m[0]]) if len(m) else words.blocks
 
 
+def first_word(dialect: Dialect) -> str:
+    """By which the tables here, and the tests' programs (simulate/writer.py), know it."""
+    return dialect.name.partition("-")[0]
+
+
 def letters_of_dwell(dialect: Dialect) -> dict[str, float]:
     """The letters of a dwell's time on this control, with the seconds of one unit; none where it is
     not known."""
-    return SECONDS.get(dialect.name.partition("-")[0], {})
+    units = SECONDS.get(first_word(dialect), {})
+    return {letter: unit for letter, unit in units.items() if letter in dialect.dwell}
 
 
 def seconds(words: Words, block: int, dialect: Dialect) -> float:
-    """How long a G4 block rests, s; nan where it does not say."""
+    """How long a G4 block rests, s; nan where it does not say, or in a unit that is not known."""
     units = letters_of_dwell(dialect)
     low, high = (int(np.searchsorted(words.block, b)) for b in (block, block + 1))
-    for k in range(low, high):
-        letter = chr(words.letter[k])
-        if letter in units:
-            value = float(words.mantissa[k]) / 10.0 ** float(words.decimals[k]) * units[letter]
-            if not words.pointed[k] and (
-                dialect.name.startswith("haas")
-                or (letter in "XU" and dialect.integers == "least increments")
-            ):
-                value *= 1e-3
-            return float(value)
+    given = {chr(words.letter[k]): k for k in range(low, high)}
+    if any(letter in given and letter not in units for letter in dialect.dwell):
+        return float("nan")
+    for letter in (x for x in units if x in given):
+        k = given[letter]
+        value = float(words.mantissa[k]) / 10.0 ** float(words.decimals[k]) * units[letter]
+        if not words.pointed[k]:
+            value *= without_a_point(dialect, letter)
+        return float(int(value) if first_word(dialect) in WHOLE else value)
     return float("nan")
+
+
+def without_a_point(dialect: Dialect, letter: str) -> float:
+    """By what a dwell's number without a decimal point is to be multiplied; nan: not known."""
+    name, counts = first_word(dialect), dialect.integers == "least increments"
+    if name in POINTED or (name == "okuma" and counts):  # 0.01 s or 0.1 s there
+        return float("nan")
+    return 1e-3 if name == "haas" or (letter in "XU" and counts) else 1.0
+
+
+def told_by(dialect: Dialect) -> str:
+    """How a dwell's time is written on this control, for a person."""
+    if dialect.grammar.klartext:
+        return "seconds behind cycle 9 or FUNCTION DWELL TIME; --expand puts in Q parameters"
+    letters = ", ".join(letters_of_dwell(dialect)) or "none is known"
+    reason = UNTIMED.get(first_word(dialect), "")
+    return f"letters: {letters}" + (f"; {reason}" if reason else "")

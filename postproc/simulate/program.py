@@ -225,11 +225,10 @@ class Reader:
                 words.line[block] + 1, f"a dwell of {seconds:g} s", "is the unit right?"
             )
         if np.isnan(seconds):
-            letters = ", ".join(pace.letters_of_dwell(self.dialect)) or "not known for this control"
             raise self._fault(
                 words.line[block] + 1,
-                f"G4 without a time that {self.dialect.title} knows",
-                f"letters: {letters}",
+                f"how long this dwell lasts on {self.dialect.title} is not known",
+                pace.told_by(self.dialect),
             )
         return seconds
 

@@ -16,7 +16,9 @@ from postproc.machine.model import Machine
 from postproc.nc import dialects
 
 XYZ = "XYZ"
-DWELL = {  # how the control is told to wait, by the first word of the dialect's name
+# How the control is told to wait, by the first word of the dialect's name: 0 is s, 1 is ms, 2 is
+# s that are whole, rounded up. Which controls have none, and why: tests/contracts/test_paces.py.
+DWELL = {
     "linuxcnc": "G4 P{0:g}",
     "fanuc": "G4 X{0:.3f}",
     "haas": "G4 P{0:.3f}",
@@ -27,6 +29,9 @@ DWELL = {  # how the control is told to wait, by the first word of the dialect's
     "heidenhain": "G4 F{0:g}",
     "marlin": "G4 S{0:g}",
     "reprap": "G4 S{0:g}",
+    "centroid": "G4 P{0:g}",
+    "klipper": "G4 P{1:.0f}",
+    "smoothie": "G4 S{2:d}",
 }
 PLANES = {
     "XY": ("G17", "IJ", 1),
@@ -91,7 +96,8 @@ class Writer:
         self.wait(seconds)
 
     def wait(self, seconds: float) -> None:
-        self.lines.append(DWELL[self.kind].format(seconds))
+        text = DWELL[self.kind].format(seconds, seconds * 1e3, math.ceil(seconds))
+        self.lines.append(text)
 
     def arc(
         self,
@@ -136,8 +142,10 @@ class Writer:
                 )
                 + "\n"
             )
-        tail = ["%"] if self.kind in ("fanuc", "haas") else []
-        return "\n".join([*self.lines, "M30", *tail]) + "\n"
+        # Marlin, Klipper: a program ends with its last line, and M30 would delete a file
+        tail = [f"M{n}" for n in (30, 2) if n in self.dialect.ends][:1]
+        tail += ["%"] if self.kind in ("fanuc", "haas") else []
+        return "\n".join([*self.lines, *tail]) + "\n"
 
 
 def ranges(machine: Machine, overrun: float) -> dict[str, tuple[float, float]]:

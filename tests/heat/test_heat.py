@@ -153,6 +153,33 @@ def test_growth_by_hand(tmp_path, capsys):
     assert deviation <= 1.05, said
 
 
+@pytest.mark.parametrize(
+    ("dialect", "dwell", "seconds", "told"),
+    [
+        ("linuxcnc", "G4 P2.5", 2.5, ""),
+        ("okuma", "G4 F2.5", 2.5, ""),
+        ("mach3", "G4 P2.5", 0.0, "2 dwells (G4) take no time by the program's clock"),
+        ("fagor", "G4 K250", 0.0, "write seconds with a point"),
+        ("fagor", "G4 K2.5", 2.5, ""),
+        ("linuxcnc", "G4 P0", 0.0, ""),
+        ("linuxcnc", "G4 P20000000", 0.0, "2 dwells (G4) take no time"),
+    ],
+)
+def test_dwells_whose_time_is_not_known_are_told(tmp_path, dialect, dwell, seconds, told):
+    """Two dwells and 100 mm at F600 (10 s); one behind M2 does not count. What no unit is known of
+    takes no time, and once for the whole program that is said."""
+    folder = machine(tmp_path)
+    record = written(tmp_path, "t_s,T_scale_X_C", "0,20", "9999,20")
+    f = filter_of(folder, "--temperatures", record, "--dialect", dialect)
+    f.feed(f"G90\nG0 X0. Y0. Z0.\n{dwell}\nG1 X100. F600.\n{dwell}\nM2\n{dwell}\n".encode())
+    f.finish()
+    said = [n for n in f.notices if n.code == "heat dwells"]
+    assert len(said) == bool(told)
+    assert not told or (told in said[0].message and said[0].size == 2.0)
+    takes = next(n.message for n in f.notices if n.code == "heat")
+    assert f"takes {10 + 2 * seconds:.0f} s" in takes, takes
+
+
 def test_a_log_that_never_changes_is_a_stated_temperature(tmp_path, capsys):
     folder = machine(tmp_path)
     program = ROOT / "sample_programs" / "pocket_mill.ngc"

@@ -34,6 +34,7 @@ DIALECT = Dialect(
         *rows("work offset", {"247": "preset (cycle 247)"}, does="extended", like="G54.1"),
         *LOCAL,
         *rows("defined cycle", {"200": "a cycle, defined", "207": "one that stays, defined"}),
+        *rows("", {"4": "dwell (cycle 9, FUNCTION DWELL)"}),
         *rows("", {"268": "tilted plane (PLANE)"}, takes=True, does="spatial"),
         *rows("", {"79": "cycle call"}, takes=True, does="words"),
     ),
@@ -46,6 +47,7 @@ DIALECT = Dialect(
     tip_codes={128: True, 129: False},
     length_letter="T",
     change_takes="Z",
+    dwell="F",
     letters="Q",  # DL of TOOL CALL
     macro_refuses=klartext.REASONS,
     signs=(

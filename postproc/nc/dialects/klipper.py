@@ -88,7 +88,6 @@ DIALECT = Dialect(
             " of Klipper, not both"
         ),
     ),
-    dwell="PS",
     carried=("E",),
     carried_codes=(82, 83),
     relative_with_distance=True,
