@@ -84,6 +84,8 @@ def _by_code(*cycles: Cycle) -> dict[int, Cycle]:
 def _haas(synchronised: bool) -> Family:
     drilling = HaasDrilling(synchronised)
 
+    # The bolt circle calls the cycle in force, so it must ask the same object that `cycles` has; a
+    # class of its own carries it, since parts are made from the scene alone.
     class Bolts(BoltHoles):
         holes = drilling
 
@@ -91,6 +93,8 @@ def _haas(synchronised: bool) -> Family:
     return Family(cycles, HaasFrames, restores=True, parts=(Bolts, FanucCorners))
 
 
+# Columns: finish, rough along Z, rough along X, repeat the shape, peck along Z, groove along X,
+# thread, and the box cycles of one block: turn, thread, face.
 SYSTEMS = {  # G70 to G76 and G90 G92 G94, as the three G-code systems of a Fanuc lathe have them
     "a": (700, 710, 720, 730, 740, 750, 760, 900, 920, 940),
     "b": (700, 710, 720, 730, 740, 750, 760, 770, 780, 790),
@@ -126,6 +130,8 @@ def _okuma_lathe(synchronised: bool) -> Family:
     return Family(cycles, forgets=True, parts=(LatheBlocks, FanucCorners))
 
 
+# In this order: AR= has become I J before CT looks for the arc that it touches, whose centre it
+# reads from I J K or CR alone.
 SIEMENS = (BlockFeed, SiemensDirections, Openings, PlacedArcs, Polynomials)
 # By the beginning of a dialect's name, the longest of which holds. On grblHAL holes and threads
 # stay: they are not measured. On Haas lathes R of holes is a place, unlike on Fanuc's.
@@ -163,5 +169,7 @@ def family(dialect: Dialect, synchronised: bool = False) -> Family:
     if not found:
         return Family()
     every = FAMILIES[found](synchronised)
+    # A kin that lacks a code (PathPilot of LinuxCNC) shall refuse it as unknown, as its control
+    # does.
     known = {code_number(code.word) for code in dialect.codes}
     return replace(every, cycles={n: cycle for n, cycle in every.cycles.items() if n in known})

@@ -10,6 +10,8 @@ AXES = ("X", "Y", "Z")
 Point = tuple[float, float, float]
 Matrix = tuple[Point, Point, Point]
 NO_TURN: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+# Products of turns leave some 1e-16 where there should be 0: below this nothing is mixed, or a
+# rotation about Z would ask for Z to be named in every block.
 TINY = 1e-12
 
 
@@ -32,11 +34,14 @@ class Affine:
 
     def after(self, first: Affine) -> Affine:
         """This map behind another one."""
+        # M2 (M1 p + t1) + t2: the columns of M1, turned by M2, are those of the product.
         columns = [self.turned(column) for column in _columns(first.matrix)]
         return Affine(_columns((columns[0], columns[1], columns[2])), self(first.shift))
 
     @property
     def identity(self) -> bool:
+        # Exactly, without a tolerance: while it holds, blocks keep their bytes. A turn by 360
+        # degrees is the identity again, because `exact_turn` does not round quarter turns.
         return self == Affine()
 
     @property
@@ -140,6 +145,10 @@ def exact_turn(degrees: float) -> tuple[float, float]:
 
 def rotation(first: str, second: str, degrees: float, centre: Point = (0.0, 0.0, 0.0)) -> Affine:
     """A turn in a plane, counter-clockwise from its first to its second axis, about a point."""
+    #   second ^  . q     first' = first cos - second sin,  second' = first sin + second cos
+    #          | /        G18 has Z as its first axis and X as its second (ISO 841: X x Y = Z), so
+    #          |/ . p     its turns go from Z to X
+    #          +-----> first
     i, j = AXES.index(first), AXES.index(second)
     cosine, sine = exact_turn(degrees)
     rows = [list(row) for row in NO_TURN]

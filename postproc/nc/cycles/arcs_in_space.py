@@ -18,6 +18,8 @@ from postproc.nc.cycles.scene import CENTRES, COUNTER, Scene
 from postproc.nc.expand.tracker import number
 
 KEPT = (*"NGFSTDHMXYZIJKR", "CR")  # letters of a block that is written out
+# The frame behind turns these places and rounds once more; four digits keep the first rounding out
+# of the result.
 MORE_DECIMALS = 4  # of the lines before they are turned
 
 
@@ -73,6 +75,8 @@ def _written(
     own |= {block.words.index(w) for w in after_motion}
     sep = b" " if block.spaced else b""
     for k, (a, b) in enumerate(points, 1):
+        # As a helix: the way across the plane goes in proportion to the angle, and all lines of one
+        # arc have the same angle.
         along = start[third] + (to[third] - start[third]) * k / len(points)
         text = sep.join(
             _words({first: a, second: b, third: along}, written, decimals, scene.incremental)
@@ -107,5 +111,7 @@ def _words(
     for axis in AXES:
         base = written[axis] if by else 0.0
         value = round(to[axis] - base, decimals[axis])
+        # From what was written, not from the arc: of increments the roundings would add up over its
+        # lines.
         written[axis] = base + value
         yield f"{axis}{number(value, decimals[axis])}".encode()

@@ -35,6 +35,8 @@ IDLE = "NFSM"  # letters of blocks that a tangent outlasts
 SWITCHES = (900, 910)  # codes in them
 CHANGES_TOOL = 6
 NEAR = 1e-9
+# Both come from the same words, so that more than a rounding between them means that another block
+# has moved the axes.
 AGREES = 1e-6  # two places that are one, program's unit
 WRITE = "write the arc with its end and its centre I J K"
 
@@ -87,6 +89,8 @@ class PlacedArcs(Before):
     # -- the segment before ------------------------------------------------------------------------
 
     def _outlasting(self, block: Block) -> Touching | None:
+        # A line of F, S, M or G90 between two segments moves nothing, so the tangent still holds;
+        # M6 is left out, since a tool change may send the axes away.
         idle = all(w.letter in IDLE or w.letter in ("G", *NAMES.values()) for w in block.words)
         known = all(c in SWITCHES or c in NAMES for c in block.codes)
         return self.before if idle and known and CHANGES_TOOL not in block.m_codes() else None
@@ -114,6 +118,8 @@ class PlacedArcs(Before):
             middle = self._middle(block, plane, start, end, code == COUNTER)
             if middle is None:
                 return None
+            # The tangent at the end is the radius there, turned by a quarter in the sense of the
+            # motion.
             way = (end - middle) * (1j if code == COUNTER else -1j)
         return Touching(plane, end, way) if abs(way) > NEAR else None
 
@@ -184,6 +190,10 @@ class PlacedArcs(Before):
             raise self.scene.fault(
                 "CIP through points on one straight line, or twice through one", "write G1"
             )
+        #         . i .          From the start, a leads to the point on the way, b to the end. The
+        #    a .'   .   `.       centre m is as far from all three: m.a = |a|^2 / 2, m.b = |b|^2 /
+        #     /     m     \      2; both together: m = i (|a|^2 b - |b|^2 a) / (-2 a x b). `turn` =
+        #  start ---b---> end    a x b is above 0 where the way turns to the left.
         middle = start + 1j * (abs(a) ** 2 * b - abs(b) ** 2 * a) / (-2 * turn)
         return middle, turn > 0
 
@@ -197,6 +207,11 @@ class PlacedArcs(Before):
                 "CT, and the segment before it is not known, or lies in another plane",
                 WRITE + ", or CT right behind the line or arc in the plane that it touches",
             )
+        #   end .--- .      The segment before ends at the start, pointing right. The centre lies on
+        #      /      `     the normal, r to the left, and as far from the end: |chord|^2 = 2 r
+        #     |    +   |    (normal . chord). r below 0: it lies to the right, and the arc runs
+        #      `.  | r/     clockwise.
+        #  --->  start
         normal = 1j * before.way / abs(before.way)  # to the left
         chord = end - start
         across = (normal.conjugate() * chord).real
@@ -215,6 +230,7 @@ class PlacedArcs(Before):
             scene.text(CENTRES[x], v)
             for x, v in zip(plane, (middle.real, middle.imag), strict=True)
         ]
+        # Before the first word but N: the code must not stand behind words that it rules.
         first = next((i for i, w in enumerate(block.words) if w.letter != "N"), 0)
         return block.written(out, b" ".join(words), min([*out, first]))
 

@@ -77,6 +77,10 @@ class Openings(Before):
             end = complex(*(self._place(w, x) for w, x in zip(own, names, strict=True)))
             if abs(end - start) < NEAR:
                 raise scene.fault("an arc by AR= that ends where it begins", WRITE, opening)
+            #    + centre    Half the chord, and from its middle square to it |chord| / 2 over the
+            #    |\          tangent of half the angle: to the left where the arc turns to the left.
+            #  --o--> end    Above 180 degrees the tangent is below 0, and the centre on the other
+            #                side.
             half = complex(0.5, 0.5 / math.tan(turn / 2))  # of the chord, from start to centre
             return self._with(block, {}, (end - start) * half)
         if not any(centre):
@@ -87,6 +91,7 @@ class Openings(Before):
                 for w, x, at in zip(centre, names, (start.real, start.imag), strict=True)
             )
         )
+        # The radius from the centre to the start, turned by the opening angle.
         end = middle + (start - middle) * complex(math.cos(turn), math.sin(turn))
         return self._with(
             block, dict(zip(names, (end.real, end.imag), strict=True)), middle - start

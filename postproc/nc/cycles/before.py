@@ -49,12 +49,14 @@ class Chain(Before):
         return any(part.wants(line) for part in self.parts)
 
     def take(self, line: Line) -> list[Line]:
+        # What holds for one line says nothing of the next; `_one` collects it over all parts.
         self.rigid = False
         return self._through([line], 0)
 
     def finish(self) -> list[Line]:
         lines: list[Line] = []
         for k, part in enumerate(self.parts):
+            # A part has seen its own lines already: they go on to those behind it alone.
             lines += self._through(part.finish(), k + 1)
         return lines
 

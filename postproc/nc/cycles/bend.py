@@ -36,6 +36,10 @@ class Bend(NamedTuple):
 
     def away(self, radius: float) -> float:
         """How far from the corner an arc that touches both lines begins and ends."""
+        #  corner +----o---        The arc touches at o, radius / tan(angle / 2) from the corner;
+        #          \ . |           its centre is radius / sin(angle / 2) from it, between both
+        #           \  + centre    lines.
+        #            o
         return radius / math.tan(self.angle / 2)
 
     def ends(self, away: float) -> tuple[Point, Point]:
@@ -55,6 +59,9 @@ def bent(start: Point, corner: Point, end: Point) -> Bend:
     at = complex(*corner)
     before, behind = complex(*start) - at, complex(*end) - at
     length = min(abs(before), abs(behind))
+    # A line without length has no direction: any will do, since `length` makes the callers refuse
+    # it.
     a, b = (x / abs(x) if length > NEAR else 1.0 + 0j for x in (before, behind))
     turn = a.conjugate() * b
+    # From a, which points back, to b: a turn to the left of the way leaves b on the right of a.
     return Bend(at, a, b, math.atan2(abs(turn.imag), turn.real), length, turn.imag < 0)

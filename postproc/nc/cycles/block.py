@@ -11,6 +11,7 @@ from typing import NamedTuple
 from postproc.nc.codes import code_number
 from postproc.nc.grammar import Grammar
 
+# Blanks may stand within a number (X1 2. 5 is X12.5): NIST RS274/NGC 3.3.
 _DIGITS = rb"[0-9](?:[ \t]*[0-9])*"
 _NUMBER = (
     rb"[+-]?[ \t]*(?:"
@@ -58,6 +59,7 @@ def _patterns(grammar: Grammar) -> _Patterns:
     comments = [rb"\([^()\n]*\)"] if grammar.parentheses else []
     if grammar.semicolon == "comment":
         comments.append(rb";[^\n]*")
+    # No letter, digit or = may follow, or a variable that begins like a keyword would be one.
     names = [re.escape(name.encode()) for name in sorted(grammar.keywords, key=len, reverse=True)]
     keyword = rb"(?P<keyword>(?:" + b"|".join(names) + rb"))(?![A-Za-z0-9_=])" + _ARGUMENTS + b"|"
     if not names:
@@ -106,6 +108,7 @@ class Block:
     def of(text: bytes, grammar: Grammar) -> Block:
         """Cut a block into words. Never raises."""
         comment, word, ignored = _patterns(grammar)
+        # As long as the comment was: places in the hidden text are places in the text itself.
         hidden = comment.sub(lambda m: _HIDDEN * len(m[0]), text)
         for pattern in ignored:
             hidden = pattern.sub(lambda m: _HIDDEN * len(m[0]), hidden)
@@ -119,6 +122,8 @@ class Block:
                 continue
             found = word.match(hidden, at)
             one = _word(found) if found and len(found[0]) <= LONGEST_WORD else None
+            # What is no word may be anything (a variable, a call): the words up to there are kept,
+            # but the block is not plain, and nobody rewrites it.
             if found is None or one is None or abs(one.value or 0.0) > LARGEST:
                 plain = False
                 break
@@ -165,6 +170,8 @@ class Block:
             at = min(out) if out else len(self.words)
         pieces: list[bytes] = []
         last, put = 0, not new
+        # The gap before a word goes out with it where it is blank; a comment in the gap stays, as
+        # do all other bytes between words.
         for i, w in enumerate(self.words):
             gap = self.text[last : w.start]
             last = w.stop
@@ -194,6 +201,8 @@ def number_of(word: Word) -> int | None:
     """Ten times the number of a G word, or the number of a keyword; None for other words, -1 for
     what no code can be."""
     if word.letter == "G" and word.value is not None:
+        # More than one decimal (G54.15), below 0 or from G1000 on: no code, so it must match no
+        # table.
         tenfold = round(word.value * 10)
         return tenfold if abs(tenfold - word.value * 10) < 1e-9 and 0 <= tenfold < 10_000 else -1
     return code_number(word.letter) if word.value is None else None

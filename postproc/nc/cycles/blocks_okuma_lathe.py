@@ -30,6 +30,7 @@ from postproc.nc.expand import Line
 
 COMMENT = re.compile(rb"\([^()\n]*\)")
 HEAD = re.compile(rb"[ \t]*(/[ \t]*)?(?:N[ \t]*([A-Z0-9]+)(?=[ \t(\r]|$))?[ \t]*", re.IGNORECASE)
+# not the name of the program file, $PART1.MIN%, which begins such a file
 GOES_ON = re.compile(rb"[ \t]*\$(?![-A-Z0-9._]*%)", re.IGNORECASE)
 CALLED = re.compile(rb"G[ \t]*(8[5-7])[ \t]*N([A-Z0-9]+)", re.IGNORECASE)
 BEGINS = re.compile(rb"(?<![A-Z])G[ \t]*(8[12])(?![0-9])", re.IGNORECASE)
@@ -59,12 +60,15 @@ class LatheBlocks(Before):
     # Whole: the kinds of lines in their order of precedence.
     def take(self, line: Line) -> list[Line]:
         """The lines that stand for one. Raises ProgramError."""
+        # A line that goes on was joined to the one before (`_whole`) and leaves nothing here.
         if GOES_ON.match(line.text) or self.scene.passes(line.text):
             return [] if GOES_ON.match(line.text) else [line]
         text = self._whole(line)
         code = _code(text)
         if self.within or BEGINS.search(code):
             self._steps_over(line, code)
+            # Not the source text: variables have their numbers where the program comes to the
+            # shape.
             self.passed[line.file, line.source] = line.text
             return []
         called = CALLED.search(code)
@@ -99,6 +103,7 @@ class LatheBlocks(Before):
                     "G81 and G82 begin a shape here, which is called by the name of its first"
                     " block: write one (NLAP1 G81), or choose the right --dialect",
                 )
+            # Without this, all that stands behind an open shape would leave the program in silence.
             if not any(ENDS.search(_code(x)) for x in self.scene.lines()[line.source - 1 :]):
                 raise self.scene.fault("a shape without an end", "write G80 behind its last block")
         self.within = not ENDS.search(code)

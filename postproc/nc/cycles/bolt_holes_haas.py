@@ -53,6 +53,9 @@ class BoltHoles(Before):
         code = next((c for c in block.codes if c in self.codes), 0)
         if not code:
             self._note(block)
+            # A place beside L0 is read by the control, but no hole is made: whether the tool goes
+            # there is in no text that was found. So it is kept aside, and asked for where a centre
+            # would rest on it.
             return [block.text]
         self._check(block, code)
         words = self._words(block, code)
@@ -115,6 +118,8 @@ class BoltHoles(Before):
         step = 360.0 / count if code == CIRCLE else block.get("K") or 0.0
         found = []
         for k in range(count):
+            # From the first angle and not from hole to hole: steps of 360 / 7 would add up their
+            # rounding.
             turn = math.radians((block.get("J") or 0.0) + k * step)
             place = (centre[0] + radius * math.cos(turn), centre[1] + radius * math.sin(turn))
             texts = [scene.text(axis, place[i] - here[i]) for i, axis in enumerate("XY")]

@@ -52,6 +52,8 @@ class CircularPocket(Cycle):
         radii = self._radii(scene, block, name)
         depth, times = block.word("Z"), block.word("L")
         count = int(times.value or 0) if times else 1
+        # With Z a place every round would cut at one depth: repeats are followed in G91 alone,
+        # where the manual has them.
         if not 1 <= count <= MOST_DEPTHS or (count > 1 and not (scene.incremental and depth)):
             raise scene.fault(
                 f"L{count} of {name}", "it repeats with Z in G91: write G91 and Z, or no L", times

@@ -104,6 +104,7 @@ class FanucCorners(Corners):
         missing = [x for x in names if not any(w.letter in self._own(x) for w in block.words)]
         if angle is None or not missing:
             return b""
+        # A line that is held back has not left yet: the tracker still stands at its start.
         scene, start = self.scene, self.held.end if self.held else self._here(names)
         end = self._end(block, names, start)
         (axis,) = missing
@@ -126,6 +127,9 @@ class FanucCorners(Corners):
         corner: tuple[float, float],
         end: tuple[float, float],
     ) -> tuple[tuple[float, float], Block, list[Line]]:
+        #      ^       I+ behind a line along Z ends up along X+, K- behind one along X along Z-.
+        #     /  X+    The next line must go just there, or the drawing means another corner.
+        #  --'
         if held.word[0] in "IK":
             along = names.index(ACROSS[held.word[0]])
             behind = end[along] - corner[along]

@@ -60,6 +60,9 @@ class IsoCorners(Before):
         if scene.passes(line.text) or not body.partition(b";")[0].strip():
             return [line]
         names = [NAMES[c] for c in block.codes if c in NAMES]
+        #   N10 G01 X+50 Y+0 F200 *    held: where it ends the corner and the next line say
+        #   N20 G25 R5 F50 *           the corner, which leaves with them
+        #   N30 G01 X+50 Y+40 *        N10 up to the arc, the arc at F50, N30 with F200 again
         if names:
             self._define(block, names[0])
             return []
@@ -69,6 +72,7 @@ class IsoCorners(Before):
         elif straight:
             own = self.corner[2]
             lines = self._cornered(block)
+            # F of the corner holds in the corner alone, but as a written-out word it would go on.
             if own and block.word("F") is None:
                 line = line._replace(text=block.written(set(), b"F" + self.feed) + b"*")
         else:
@@ -90,6 +94,8 @@ class IsoCorners(Before):
                 if CORNER.search(code):
                     self.before.add(last)
                 last = number if code.strip() else last
+        # Looked for in the whole text, so that only lines with a corner are held back and all
+        # others leave at once.
         return self.scene.source in self.before
 
     def _straight(self, block: Block) -> bool:

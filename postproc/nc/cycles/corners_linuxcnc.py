@@ -86,6 +86,7 @@ def _refused(scene: Scene, finish: Finish, why: str) -> Exception:
 def _nearest(e: Element, centre: Point) -> Point:
     """The place on an element that is nearest to a centre."""
     if e.is_arc:
+        # On the ray from its own centre through the corner's: both circles touch there.
         share = math.dist(e.start, e.centre) / math.dist(centre, e.centre)
         return (
             e.centre[0] + (centre[0] - e.centre[0]) * share,

@@ -58,6 +58,8 @@ class Corners(Before):
     """Holds a line back until the next one says which corner it makes. `kinds`: what each word of a
     corner is; `sign`: what stands between it and its size."""
 
+    # Its size is written into the lines as it stands, and a frame behind would scale it with them:
+    # the resolver refuses that.
     rigid = True
     kinds: ClassVar[dict[str, str]] = {"RND": ROUND, "CHR": CHAMFER, "CHF": LENGTH}
     sign = "="
@@ -92,6 +94,9 @@ class Corners(Before):
             if self.held is not None:
                 raise scene.fault("a corner, and then more than words and numbers", WRITE)
             return [line]
+        #   G1 X50 RND=5    held
+        #   M8              between: it waits too, or it would come before the line it stands behind
+        #   G1 Y40          all three are known
         if self.held is not None and self._switches(block):
             if any(m in ENDS for m in block.m_codes()):
                 return [*self.finish(), line]
@@ -107,6 +112,8 @@ class Corners(Before):
             self.modal = rndm or 0.0
             self.held.between += _unless_empty(line, plain)
             return []
+        # RNDM of this block rounds its own end, not the corner before it, which `held` knows
+        # already.
         modal, self.modal = self.modal, self.modal if rndm is None else rndm
         if self.held is None and own is None and not (modal or self.modal):
             return _unless_empty(line, plain)
@@ -298,6 +305,11 @@ class Corners(Before):
             return corner, block, [held.line, *held.between]
         if bend.back:
             raise scene.fault(f"{held.word} where the line runs back", WRITE)
+        #   held     away
+        #   --------o---+ corner    RND   an arc of radius R:       away = R / tan(angle / 2)
+        #            \ /            CHR   a chamfer begins there:   away = CHR
+        #             o             CHF   it has this length:       CHF = 2 away sin(angle / 2)
+        #            /
         away = {
             ROUND: bend.away(held.size), CHAMFER: held.size,
             LENGTH: held.size / 2 / math.sin(bend.angle / 2),
@@ -322,6 +334,7 @@ class Corners(Before):
             words += [scene.text(CENTRES[x], middle[k] - first[k]) for k, x in enumerate(names)]
         skip = b"/" if held.block.skip else b""
         own = any(c == FEED for c in block.codes)
+        # Behind G2 or G3 the next line has to name G1, which it may have left out.
         block = self._moved(block, names, second, end, b"" if own or code == b"G1" else b"G1")
         made = held.line._replace(text=skip + b" ".join([code, *words]))
         return second, block, [held.line._replace(text=line.text), made, *held.between]

@@ -29,10 +29,14 @@ class Curve:
     def beziers(self) -> list[np.ndarray]:
         """Its pieces, (order, D + 1) poles each with their weight behind, the coordinates times the
         weight."""
+        # (K, D + 1): a rational curve is a polynomial one of these, so knots are inserted and
+        # pieces halved without a division; the weights divide at the end.
         points = np.column_stack([self.poles * self.weights[:, None], self.weights])
         knots, degree = list(map(float, self.knots)), self.order - 1
         first, last = knots[degree], knots[len(points)]
         for knot in sorted({k for k in knots if first <= k <= last}):
+            # At a knot that stands `degree` times the curve meets a pole: between two such it is
+            # one piece.
             while knots.count(knot) < degree:
                 points, knots = _inserted(points, knots, degree, knot)
         starts = [i for i in range(degree, len(points)) if knots[i] < knots[i + 1]]
@@ -81,6 +85,8 @@ def _inserted(
         elif i > at:
             new.append(points[i - 1])
         else:
+            # The `degree` poles that the knot touches move towards their neighbour; those before it
+            # stay, those behind it are one further on.
             share = (knot - knots[i]) / (knots[i + degree] - knots[i])
             new.append((1 - share) * points[i - 1] + share * points[i])
     return np.array(new), sorted([*knots, knot])
@@ -90,6 +96,10 @@ def _ends(piece: np.ndarray, tolerance: float, straight: int, halvings: int) -> 
     """The ends of the lines that a Bezier piece becomes."""
     if not halvings or _bend(piece, straight) <= tolerance:
         return [piece[-1]]
+    #  row 0   p0    p1    p2    p3    middles between neighbours, row by row: the first of each
+    #  row 1     q0    q1    q2        row are the poles of the left half, the last of each row,
+    #  row 2        r0    r1           from below, those of the right one
+    #  row 3           s
     left, right, row = [piece[0]], [piece[-1]], piece
     while len(row) > 1:
         row = (row[:-1] + row[1:]) / 2
@@ -104,5 +114,7 @@ def _bend(piece: np.ndarray, straight: int) -> float:
     places = piece[:, :straight] / piece[:, -1:]
     chord, arms = places[-1] - places[0], places[1:-1] - places[0]
     length = float(chord @ chord)
+    # From the chord and not from its line: poles beyond its ends, of a piece that runs back over
+    # itself, lie far from it.
     shares = np.clip(arms @ chord / length, 0.0, 1.0) if length else np.zeros(len(arms))
     return float(np.linalg.norm(arms - shares[:, None] * chord, axis=1).max(initial=0.0))

@@ -19,6 +19,8 @@ from postproc.nc.cycles.scene import Scene
 from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 
+# 1e-7 rad is 0.02 arcsec: finer than a rotary axis' least increment (0.001 degrees is 1.7e-5 rad)
+# and far above the rounding of the poses.
 NEAR = 1e-7  # rad: such directions are one
 
 
@@ -79,6 +81,8 @@ class Directions(Before):
                 "move them to absolute places before, or say where they stand: --start"
                 f" {kinematics.rotary[0]}0",
             )
+        # (A,) mm, and degrees for rotary axes; the vector in the words' frame becomes one of the
+        # machine.
         here = state.position / TICKS_PER_MM
         pose = self._pose(kinematics, self.space().matrix @ vector / size, here)
         words = []
@@ -100,6 +104,8 @@ class Directions(Before):
                 "no pose within the travels gives the tool this direction",
                 f"check {' '.join(self.letters)}, and the travels",
             )
+        # At a pole many poses have one direction: where the tool has it already, nothing shall
+        # turn.
         if np.linalg.norm(kinematics.tool_axis(here) - normal) < NEAR:
             return here
         best = poses[0]

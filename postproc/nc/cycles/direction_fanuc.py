@@ -41,6 +41,7 @@ class ToolDirections(Directions):
         """The block as G43.4 would have it. Raises ProgramError."""
         if ON in block.codes:
             return [self._begin(block)]
+        # G43 or G49: another code of this group has taken over.
         if self.on and any(self.scene.group_of(c) in LENGTHS for c in block.codes):
             self.on = False
         vector = self.vector(block)

@@ -49,6 +49,7 @@ def without_comma(text: bytes) -> bytes:
     """A block with A for its ",A", as long."""
     code = COMMENT.sub(lambda m: b" " * len(m[0]), text) if b"," in text else b""
     for found in ANGLE.finditer(code):
+        # A blank in its place: what was found behind it stays where it was found.
         text = text[: found.start()] + b" " + text[found.end() :]
     return text
 
@@ -94,12 +95,16 @@ def one_way(scene: Scene, word: Word, letters: list[str]) -> None:
 
 def bare(scene: Scene, letters: str) -> str:
     """Of these letters those that a straight block of a lathe may name without a comma."""
+    # A lathe with an axis C or A has no corner and no angle of that letter without a comma.
     drawn = set(scene.dialect.drawn) - set(scene.tracker.setup.axes)
     return "".join(x for x in letters if x in drawn)
 
 
 def on_line(scene: Scene, here: Point, angle: float, z: float | None, x: float | None) -> Point:
     """The end of a line at `angle`, one of whose coordinates (z, x radius) is missing."""
+    #   X ^    . end       The angle counts from the plane's first axis, Z, towards its second, X, a
+    #     |  .' A          radius here: A45 is the 45 degrees of the drawing.
+    #     +-'-------> Z
     slope = math.tan(math.radians(angle))
     if z is not None and x is None:
         if abs(math.cos(math.radians(angle))) < NEAR:
@@ -113,6 +118,10 @@ def on_line(scene: Scene, here: Point, angle: float, z: float | None, x: float |
 
 def meeting(scene: Scene, here: Point, first: float, end: Point, second: float) -> Point:
     """Where a line at an angle meets the next one, which ends at `end`."""
+    #   here --first--> o --second--> end    here + far a = end - t b, crossed with b: far = (way x
+    #                                        b) / (a x b). Below 1e-6 both are parallel for
+    #                                        practice: the point would be a million times farther
+    #                                        than the lines are apart.
     a = complex(math.cos(math.radians(first)), math.sin(math.radians(first)))
     b = complex(math.cos(math.radians(second)), math.sin(math.radians(second)))
     across = (a.conjugate() * b).imag
@@ -153,6 +162,8 @@ def rounded(scene: Scene, elements: list[Any], corners: dict[int, Corner]) -> li
 def _away(scene: Scene, corner: Corner, bend: Bend) -> float:
     """How far from its point a corner begins. Raises ProgramError."""
     if corner.way:
+        # b is the direction of the line behind, (Z, X) as (real, imag): along one axis it is 1 or
+        # -1.
         along = bend.b.imag if ACROSS[corner.way[0]] == "X" else bend.b.real
         if abs(abs(along) - 1.0) > NEAR or (along < 0) != (corner.way[1:] == "-"):
             raise elsewhere(scene, corner.way[0])

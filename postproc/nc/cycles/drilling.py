@@ -62,6 +62,7 @@ class Hole:
             if (self.bottom - depth) * self.down <= 0:
                 break
             depths.append(depth)
+            # I J K of Haas: the first peck I, each one J less than that before, none below K.
             peck = max(peck - self.less, self.least) if self.less else peck
             if len(depths) > MOST_PECKS:
                 raise scene.fault(
@@ -256,6 +257,9 @@ class Drilling(Cycle):
             or job.times != 1
         ):
             return False
+        # The other reader of this block is the filter. Only where both find the same level, bottom
+        # and way back may it stay; else the corrected cycle would drill another hole than the one
+        # judged here.
         found = scene.tracker.ahead(block.text)
         if found is None:
             return False
@@ -295,14 +299,18 @@ class Drilling(Cycle):
         m = Moves(
             scene, own | {i for i, w in enumerate(block.words) if w is clamp}, self.after_motion
         )
+        # LinuxCNC: from below R level the axis goes up before anything moves across.
         for level in job.first:
             m.move("G0", {hole.axis: level})
         for k in range(job.times):
+            # In G91 a place is a distance, which each repeat goes once more; in G90 repeats lie in
+            # one place.
             words = (
                 [block.text[w.start : w.stop] for w in job.place]
                 if k == 0 or scene.incremental
                 else []
             )
+            # The text of these words is passed on unread: where they lead only the tracker knows.
             for w in job.place:
                 scene.lose(w.letter)
             if k == 0 and job.level is not None and scene.differs(hole.axis, job.level):

@@ -35,6 +35,7 @@ class FadalDrilling(HaasDrilling):
 
     def _hold(self, scene: Scene, block: Block, axis: str) -> None:
         super()._hold(scene, block, axis)
+        # P has three meanings here, by the cycle: it must not pass from one kind to the next.
         code = next((c for c in block.codes if c in self.actions), None)
         if code is None or code in self.pecking:
             return

@@ -57,6 +57,9 @@ class FagorDrilling(FanucDrilling):
         if code is None:
             return
         level, depth, count, dwell = (block.word(x) for x in (axis, "I", "J", "K"))
+        #  initial plane     - - - -     In G91 Z counts from the initial plane and I from the
+        #  reference plane  ---------    reference plane; I of G83, one of J pecks, counts with its
+        #  bottom            - - - -     sign from there always.
         start = self.start(scene, axis) if scene.incremental or level is None else 0.0
         self.held = {"R": start + (scene.length(level, axis) if level else 0.0)}
         self.p = dwell.raw if dwell else ""

@@ -48,7 +48,9 @@ LATHE_TAPPING = (840, 880)
 ALONG_X = (870, 880, 890)
 HAAS_PECKS = {"I": "first peck", "J": "how much less each one is", "K": "least peck"}
 RETRACT = {False: 0.5, True: 0.02}  # mm, inch
+# M5 and M9 in the block of a hole act behind it, M3 and M8 before.
 AFTER_MOTION = (5, 9)
+# M codes that every lathe has for something else: any other one beside a hole clamps C.
 NO_CLAMPS = (0, 1, 2, 3, 4, 5, 7, 8, 9, 30)
 
 
@@ -109,6 +111,7 @@ class FanucDrilling(Drilling):
             return Job(code, Hole(axis, 0.0, 0.0, 0.0), 0, [])
         self._hold(scene, block, axis)
         place = [w for w in block.words if self.is_place(scene, w, axis)]
+        # G0 to G3 before the cycle's own code in one block: the cycle holds, as the last code.
         gone = tuple(n for n in block.codes if n in (0, 10, 20, 30))
         return Job(
             code,
@@ -134,6 +137,8 @@ class FanucDrilling(Drilling):
                 )
         r, bottom = self.held["R"], self.held["depth"]
         back = r if scene.code("return") == R_LEVEL else self.start(scene, axis)
+        # R above the level where the tool stands, in G98: controls differ on where the way back
+        # ends.
         below = scene.rounded(axis, bottom) < scene.rounded(axis, back) < scene.rounded(axis, r)
         if below and not scene.dialect.level_from_start:
             raise scene.fault(SUNK, SUNK_ADVICE)
@@ -152,6 +157,7 @@ class FanucDrilling(Drilling):
             first=self.held.get("I", q),
             less=self.held.get("J", 0.0),
             least=self.held.get("K", 0.0),
+            # Not more than a peck, or behind the first one the next rapid would end above R level.
             retract=min(RETRACT[scene.inch] * half, q or self.held.get("I", 0.0)),
         )
 
@@ -167,6 +173,8 @@ class FanucDrilling(Drilling):
         """Remember the words for the holes to come."""
         r, depth = block.word("R"), block.word(axis)
         if r:
+            # In G91 the bottom lies below R: with a new R alone it would move along on one control
+            # and stay on another.
             if depth is None and "relative" in self.held:
                 raise scene.fault(
                     f"a new R behind a {axis} that counts from R (G91)",
@@ -207,6 +215,8 @@ class FanucDrilling(Drilling):
     def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
         """With the words that the control would still hold, and from the initial level it would
         still know."""
+        #   G81 X0 Z-9. R2. F100    written out: the control has never been in G81
+        #   G84 X5.                 passed on as G84 X5. R2. Z-9., from the level where G81 began
         if self.stays or not self.code or "R" not in self.held or "depth" not in self.held:
             return [block.text]
         axis, add = job.hole.axis, []
@@ -307,6 +317,7 @@ class LatheDrilling(FanucDrilling):
         clamp = next((w for w in block.words if w.letter == "M" and w.value not in NO_CLAMPS), None)
         if clamp is None or not job.times:
             return job
+        # Once for a program: a clamp at each of a hundred holes is one thing to know.
         if code not in self.tapping and all(n.code != "clamp" for n in scene.notices):
             said = (
                 f"M{clamp.raw} in a lathe's drilling cycle clamps the C axis before a hole, and"

@@ -65,6 +65,7 @@ class HaasLatheDrilling(HaasDrilling):
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         outcome = super().run(scene, block, code)
         axis = self.axis_of(scene, code)
+        # `loose` says that nothing may count from there (a W or U): the next block names a place.
         if "R" not in self.held or not scene.differs(axis, self.held["R"]):
             return outcome
         back, level = (scene.text(axis, v).decode() for v in (scene.at(axis), self.held["R"]))
@@ -80,5 +81,7 @@ class HaasLatheDrilling(HaasDrilling):
         self.r_from_start(scene, axis)
         if scene.is_diameter(axis):
             for word in block.words:
+                # Pecks are radii as X's words are not: along X they count twice, like R and the
+                # bottom.
                 if word.letter in "IJK" and word.value is not None:
                     self.held[word.letter] = 2 * abs(scene.length(word, axis))

@@ -81,6 +81,11 @@ class LinuxcncDrilling(Drilling):
         if not scene.differs(axis, r * half):
             here = r  # not by a rounding above or below it
         top = max(r, self.initial) if up else r
+        #  initial above R:  o. . .+    across where it stands, then down to R
+        #                          |
+        #  R level           - - - +
+        #  at R or below:    o.' ' '    one rapid, across and to the level of the way back
+        #  initial below R:  up to R first, then across
         first, level = ((r * half,), r) if self.initial < r else ((), here if here > r else top)
         hole = Hole(
             axis, r * half, bottom * half, back=top * half,

@@ -53,6 +53,7 @@ class OkumaDrilling(FanucDrilling):
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         found = [m for m in block.m_codes() if m in (52, TO_LEVEL, TO_R)]
         self.back = found[-1] if found else self.back
+        # A cycle that is written out ends by itself where M53 and M54 lead; a tap keeps its own.
         if code not in self.tapping and found:
             own = {i for i, w in enumerate(block.words) if w.letter == "M" and w.value in found}
             scene.block = block = Block.of(block.written(own), scene.dialect.grammar)
@@ -79,6 +80,8 @@ class OkumaDrilling(FanucDrilling):
         out = hole.r
         for depth in hole.depths(scene):
             m.move("G1", {hole.axis: depth})
+            # NEAR: 2 - 3 * 0.1 is 1.7000000000000002, and a J of 0.3 would draw out a peck too
+            # late.
             if "out" in self.held and abs(depth - out) >= self.held["out"] - NEAR:
                 m.move("G0", {hole.axis: hole.r})
                 out = depth

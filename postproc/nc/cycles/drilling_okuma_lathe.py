@@ -86,8 +86,11 @@ class LiveDrilling(Cycle):
         if bottom is None:
             raise scene.fault(f"G181 without {along}", "write where the hole ends")
         place = {x: v for x, v in self.held.items() if x in PLACES and x != along}
+        # C first and then the place, as the manual has it.
         m.move("G0", {x: place.pop(x) for x in "C" if x in place})
         m.move("G0", place)
+        # Not beyond the bottom: I and K may be larger than the way, and a rapid must not end in the
+        # stock.
         shift = min(abs(self.held["K" if along == "Z" else "I"]), abs(start - bottom))
         if shift:
             m.move("G0", {along: start - shift * (1 if start > bottom else -1)})

@@ -22,6 +22,7 @@ SENSES = {CLOCKWISE: b"G3", COUNTER: b"G2"}
 SIDES = {410: b"G42", 420: b"G41"}
 CORNERS = ("RND", "RNDM", "CHF", "CHR")
 # motion codes whose axis words are places
+# none yet, G0 to G3, threads (G32 G33), G80 and taps, whose place is a word like any other
 FOLLOWED = (-1, 0, 10, 20, 30, 320, 330, 740, 800, 840, 842, 843)
 
 
@@ -59,6 +60,7 @@ class Frames:
             places = {x: self.scene.work(x) for x in mixed}
             if any(value is None for value in places.values()):
                 return None
+            # Of all axes that are mixed: one unknown among them leaves all of them unknown.
             p = dict(zip(AXES, self.map.inverse(point(places)), strict=True))
             self.at.update({x: p[x] for x in mixed})
         return self.at[axis]
@@ -74,6 +76,7 @@ class Frames:
                 "the coordinates change with cutter radius compensation on", "end it before: G40"
             )
         if not self.active:
+            # From here on G2 as programmed may be G3 as written; before, both were one.
             self.motion = self.written = self.scene.tracker.code("motion")
         self.map = new
         self.forget()
@@ -111,6 +114,8 @@ class Frames:
             changed |= {at[x]: texts.pop(x) for x in own}
             new += texts.values()
             if texts:
+                # A word that comes in stands beside its partners, in front of F and M, in the order
+                # X Y Z.
                 beside = min(at[x] for x in own)
                 place = beside + (max(texts) > block.words[beside].letter)
         return new, place
@@ -150,6 +155,8 @@ class Frames:
         scene = self.scene
         counted = ("IC", "") if scene.incremental else ("IC",)
         distances = {x for x, w in words.items() if w.mode in counted}
+        # Distances need no place: they are turned alone. On a `strict` control the first block
+        # behind a change names places, for where the axes stand then is not defined.
         defined = not (self.strict and self.loose & set(mixed))
         if scene.incremental and len(distances) == len(words) and defined:
             return self._distances(mixed, words)
@@ -200,6 +207,9 @@ class Frames:
 
     def _by(self, axis: str, distance: float) -> bytes:
         """A distance, with what rounding has kept back so far."""
+        # Three times X1 in G91, turned by 30 degrees, is three times X.866, 2.598 of 2.59808 mm:
+        # what was kept back each time goes into the next word, so the sum is never off by more than
+        # half a digit.
         exact = distance + self.residue.get(axis, 0.0)
         self.residue[axis] = exact - self.scene.rounded(axis, exact)
         return self.scene.text(axis, exact)
@@ -221,6 +231,7 @@ class Frames:
         if centres:
             absolute = scene.code("arc centre") == 901
             start = {x: 0.0 if absolute else scene.at(x) for x in AXES}
+            # I J K count from the start; in G90.1 they are a place.
             by = self._centre(centres, absolute)
             centre = point({x: by[i] + start[x] for i, x in enumerate(AXES)})
         texts = list(lines(scene, block, motion, centre, mixed))
@@ -258,6 +269,7 @@ class Frames:
             return []
         absolute = scene.code("arc centre") == 901
         place = self._centre(centres, absolute)
+        # A distance has no shift: the matrix alone.
         moved = self.map(place) if absolute else self.map.turned(place)
         mixed = self.map.partners(first) == self.map.partners(second)
         new = []
@@ -292,6 +304,8 @@ class Frames:
     ) -> bytes:
         """The text, with the motion code that the output needs."""
         changed |= self._swapped(block, SENSES)
+        # The code in force behind the last written block may be the other sense than this one
+        # needs, though the program names neither.
         wanted = {20: 30, 30: 20}.get(self.motion, self.motion) if self._mirrored else self.motion
         named = bool(self.scene.own_codes(block, "motion"))
         sep = b" " if block.spaced else b""

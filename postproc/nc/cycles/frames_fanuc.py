@@ -26,6 +26,7 @@ from postproc.nc.cycles.words import Form
 
 CODES = (501, 511, 500, 510, 680, 690, 150, 160)
 MIRROR_OFF, MIRROR_ON, SCALE_OFF, SCALE_ON, TURN_ON, TURN_OFF, POLAR_OFF, POLAR_ON = CODES
+# Tool lengths move the axis across the plane, which a turn leaves as it is.
 LENGTHS = {"length", "length words", "length more", "length minus", "no length"}
 SHIFTS = {*FRAME_KEYS} - LENGTHS - {"data"}
 TAKERS = (TURN_ON, SCALE_ON, MIRROR_ON, MIRROR_OFF)
@@ -93,6 +94,7 @@ class FanucFrames(FrameControl):
             self.polar.forget()
             return [block.text]
         if self.polar.on:
+            # These words are turned and rounded once more; without a map they are what leaves.
             self.scene.extra_decimals = 0 if self.frames.map.identity else 4
             block = self.polar.take(block)
             self.scene.extra_decimals = 0
@@ -213,6 +215,8 @@ class FanucFrames(FrameControl):
         pivot = self._pivot(block)
         self.turn = rotation(first, second, angle, pivot)
         self._hold()
+        # Where the axes stand in the turned coordinates, before a block names them, the manual
+        # leaves open; a turn by 0 leaves nothing open.
         self.frames.loose |= {first, second} if angle % 360 else set()
 
     def _pivot(self, block: Block) -> Point:
@@ -228,6 +232,8 @@ class FanucFrames(FrameControl):
         if not given:
             return point({x: self._stands(x) for x in (first, second)})
         pivot = point({w.letter: scene.length(w, w.letter) for w in given})
+        #         scaled first          then turned about the scaled centre
+        #   p ---- scale ----> s(p) ---- turn about s(pivot) ----> q
         return self.scale(pivot) if self.scale else pivot
 
     def _angle(self, block: Block) -> float:

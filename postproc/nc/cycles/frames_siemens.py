@@ -106,6 +106,9 @@ class SiemensFrames(FrameControl):
                 "Sinumerik wants a frame in a block of its own",
                 strange,
             )
+        #  TRANS, ATRANS, nothing turned    stay: the interpreter follows shifts, bytes are kept
+        #  TRANS, something turned          stays and ends the map: it replaces the whole frame
+        #  ATRANS, something turned         goes into the map: its way is turned too
         if name in SHIFTS and (frames.map.identity or name == "TRANS"):
             if not frames.map.identity:
                 self._hold(Affine())
@@ -153,6 +156,8 @@ class SiemensFrames(FrameControl):
 
     def _hold(self, new: Affine) -> None:
         frames = self.frames
+        # Mixed by the old or the new map: a block that names one of them moves both, from a place
+        # that is not said; so the first one names all.
         mixed = {x for old in (frames.map, new) for x in AXES if len(old.partners(x)) > 1}
         frames.set_map(new)
         if not frames.map.can_be_undone:
@@ -169,6 +174,8 @@ class SiemensFrames(FrameControl):
         if any(w.letter in ("AP", "RP") for w in block.words):
             raise scene.fault("a pole in polar words", "write the pole with the axes of the plane")
         for axis in names:
+            # G110 counts from where the tool stands, G111 from the zero point, G112 from the last
+            # pole.
             base = (
                 0.0
                 if code == POLE
@@ -214,6 +221,7 @@ class SiemensFrames(FrameControl):
                 both,
             )
         self._hold_polar(block)
+        # AP counts from the plane's first axis, counter-clockwise.
         cosine, sine = exact_turn(self.polar["AP"])
         at = {first: self.pole.get(first, 0.0) + self.polar["RP"] * cosine,
               second: self.pole.get(second, 0.0) + self.polar["RP"] * sine}  # fmt: skip

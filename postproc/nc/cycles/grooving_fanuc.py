@@ -126,6 +126,7 @@ class Grooving(Cycle):
                 word,
             )
         scene.tell("aside", ASIDE_LATER.format(name))
+        # Back towards the cut before, where the material is gone.
         return size if places[0] > places[1] else -size
 
     def _hold(self, scene: Scene, block: Block, code: int) -> None:
@@ -182,4 +183,5 @@ def steps(scene: Scene, start: float, end: float, by: float) -> list[float]:
         )
     sense = 1 if end > start else -1
     places = [start + sense * by * k for k in range(count + 1)]
+    # Else a rounding would make one more cut, where the last one was.
     return [*places, end] if abs(places[-1] - end) > 1e-9 else places

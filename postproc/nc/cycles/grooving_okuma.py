@@ -91,6 +91,10 @@ class OkumaGrooving(Cycle):
         ends = steps(scene, start, end, peck)[1:]
         relief = RELIEF * scene.double(self.deep) * (1 if end < start else -1)
         found, since = [], start
+        #  start |   +---+      L: out all the way where so much has been drilled since it was out
+        #        v   :   :      last, and back to RELIEF above the bottom; behind the other pecks
+        #  D     +-+ :   v      back by RELIEF alone.
+        #  D       +-+   +-+
         for depth in ends:
             back = [depth + relief]
             if out and abs(depth - since) >= out - 1e-9:

@@ -66,6 +66,7 @@ class IsoHoles(Before):
         number = NUMBER.match(bare)
         assert number is not None
         lines = [bare + star + rest] if bare[number.end() :].strip() else []
+        # The block of the call moves first, and nobody has followed it yet.
         for word in Block.of(bare, self.scene.dialect.grammar).words:
             if word.letter in "XYZ" and word.value is not None:
                 self.scene.moved(word.letter, word.value)
@@ -108,6 +109,7 @@ class IsoHoles(Before):
             lines += self._iso(text)
         if lines:
             feed = b" F" + self.feed if self.feed else b""
+            # Modal again as the program left them: a hole ends with G00 and its own feed.
             lines.append(b"G%02d" % self.motion + feed + b"*")
         return lines
 

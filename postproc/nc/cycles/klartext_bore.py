@@ -89,12 +89,19 @@ def bore(scene: Scene, tool: Tool, data: Holes) -> list[bytes]:
             f"the bore of cycle 208 is {wide:g} wide, and the tool {2 * radius:g}", HELP
         )
     tool.check_sense(BORE, way)
+    #  Q200  ---. o .---    From the middle o to the wall at the clearance, above the part, where
+    #  Q203  === '. .' =    its way does not matter; down by Q334 a turn at most, all alike; once
+    #        | .'- -'. |    around at the depth, and back to the middle.
+    #        |  '- -'  |
+    #  Q201  '---------'
     high, low = top + clear, top + depth
     turns = math.ceil((high - low) / pitch - NEAR) if pitch > NEAR else MOST_TURNS + 1
     if turns > MOST_TURNS:
         raise scene.fault("cycle 208 with too many turns", "check Q201 and Q334")
     x, y = scene.at("X"), scene.at("Y")
     wall = x + reach, y
+    # In a bore climb milling with M3 goes counter-clockwise, so Q351 is the sense of the arc
+    # itself.
     circle = ends(scene, Arc(wall, wall, (x, y), way, math.tau))
     lines = Lines(scene)
     lines.to(None, high)
