@@ -96,6 +96,9 @@ class Corners:
             own = b"F" + held.feed if held.feed else b""
             for k, start in enumerate(points):
                 lines.append((self._line(start, b"" if k else own), bool(own)))
+        #  RND R5           coming: comes here in front of the line whose end it makes
+        #  L X+50 Y+0       held: where it ends the corner and the next line say
+        #  L X+50 Y+40      known now: the first line up to the arc, the arc, and this one
         self.held = self.coming = None
         if coming is None:
             return [*lines, (self._line(end, words), False)]
@@ -125,6 +128,7 @@ class Corners:
             return held.end, []
         if bend.back:
             raise scene.fault(f"{name} where the line runs back", WRITE)
+        # A rounding has its radius, a chamfer the way from the corner.
         away = bend.away(held.size) if round_ else held.size
         if away > bend.length + NEAR:
             raise scene.fault(

@@ -59,6 +59,7 @@ def face(scene: Scene, tool: Tool, data: Holes) -> list[bytes]:
             if not k or kind == ONE_WAY:
                 lines.to(None, z, between)
             lines.to(end, None, feed)
+        # The next depth runs the other way: it begins where this one has ended.
         rows = [(end, start) for start, end in reversed(rows)]
     lines.to(None, high)
     return lines.texts
@@ -78,7 +79,12 @@ def _rows(scene: Scene, data: Holes, radius: float) -> list[tuple[Point, Point]]
     out = math.copysign(radius + value(357, 0.0), long)
     x, y = value(225), value(226)
     ends = (x - out, x + long + out)
+    # The middles of strips of equal width: the tool, wider than a strip, reaches over both edges.
     rows = [y + wide * (k + 0.5) / count for k in range(count)]
+    #  Q389 2  o---------->    All lines end beside the surface, by the tool's radius and Q357; from
+    #          o---------->    one to the next the tool goes up and back (2), or over at the edge
+    #  Q389 0  o----------.    (0).
+    #          .----------'
     if value(389, float(ONE_WAY)) == ONE_WAY:
         return [((ends[0], row), (ends[1], row)) for row in rows]
     return [((ends[k % 2], row), (ends[1 - k % 2], row)) for k, row in enumerate(rows)]
@@ -97,6 +103,10 @@ def _depths(scene: Scene, data: Holes) -> Iterator[tuple[float, bytes]]:
         )
     if step <= NEAR < total or (step and total / step > MOST_DEPTHS):
         raise scene.fault("cycle 232 takes too many depths", "check Q202")
+    #  Q227  - - - - - -    `count` depths, all alike, down to Q369 above the floor, then Q369 in
+    #  Q202  -----------    one cut of its own; where Q369 is all there is, that cut alone.
+    #        -----------
+    #  Q386  ===========
     count = max(math.ceil(total / step - NEAR), 0 if floor else 1) if step else 0
     depths = [top - total * k / count for k in range(1, count + 1)]
     depths += [top - total - floor] if floor or not depths else []

@@ -96,6 +96,8 @@ class Holes:
         if self.cycle in OLD_TAPS:  # they come back to where they are called
             return [b"CYCL CALL", self._to(self.scene.at("Z"), b" FMAX")]
         top, clear = self.value(203), self.value(200)
+        # The depth and the way back are the control's; a line in front and one behind put the tool
+        # axis where gcomp knows it again.
         high = max(clear, self.value(204, clear))
         places = [self._to(top + z, b" FMAX") for z in (clear, high)]
         return [places[0], b"CYCL CALL", places[1]]
@@ -119,6 +121,7 @@ class Holes:
         reached, count = 0.0, 0
         while reached < depth - NEAR:
             size = max(step - count * less, least) if less else step
+            # A first peck of 0, or of the whole depth and more, is one stroke.
             reached = min(reached + size, depth) if count or 0 < size < depth else depth
             count += 1
             if size < NEAR < depth - reached or count > MOST_PECKS:
@@ -137,6 +140,8 @@ class Holes:
             last = reached
             if reached >= -depth - NEAR:
                 break
+            # Q213 breaks of chips (back by Q256 alone), and behind them one way out; 205 breaks
+            # them within a peck and is drawn out behind every one.
             if self.cycle == 203 and breaks < self.value(213, 0.0):
                 breaks += 1
                 lines.append(self._to(top - reached + back, b" FMAX"))
@@ -162,12 +167,15 @@ class Holes:
         """How far above what is drilled FMAX ends behind peck k."""
         if self.cycle != 205 or not self.value(258, 0.0):
             return clear
+        # From Q258 above what is drilled behind the first peck to Q259 behind the last but one,
+        # evenly.
         first = self.value(258)
         last = self.value(259, first) or first
         return first + (last - first) * (k / (count - 2) if count > 2 else 0.0)
 
     def _out(self, feed: bytes) -> bytes:
         """The feed with which it comes out."""
+        # Q208 0: cycle 201 comes out at the feed of the way in, 203 and 205 in rapid.
         if self.cycle not in AT_OWN_FEED or self.data.get(208) == b"MAX":
             return b" FMAX"
         if 208 in self.data and (self.data[208] == b"AUTO" or self.value(208)):

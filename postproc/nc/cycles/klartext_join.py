@@ -64,6 +64,10 @@ class Joined:
         arm = end[0] - arc.centre[0], end[1] - arc.centre[1]
         radius = math.hypot(*arm)
         step = 2 * math.asin(min(math.dist(end, other) / 2 / radius, 1.0))
+        # A tangent of length s ends s^2 / 2 R beside its circle: half the tolerance where s^2 = R
+        # chord. Not more than 0.4 of a line, since the tangents of both ends may meet on one line.
         reach = min(math.sqrt(radius * self.scene.chord), PART_OF_A_LINE * step * radius)
+        # The arm, turned by a quarter in the sense of the arc, is the way; `way` -1 goes back along
+        # it.
         share = way * arc.turn * reach / radius
         return end[0] - share * arm[1], end[1] + share * arm[0]

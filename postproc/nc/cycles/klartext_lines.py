@@ -12,6 +12,7 @@ FAST = b" FMAX"
 
 def signed(scene: Scene, axis: str, value: float) -> bytes:
     """X+10.5."""
+    # The language writes a sign always, and no point behind a whole number.
     text = scene.text(axis, value).rstrip(b".")
     return text if text[1:2] == b"-" else text[:1] + b"+" + text[1:]
 

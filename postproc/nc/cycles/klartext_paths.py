@@ -34,6 +34,7 @@ STATEMENT = re.compile(
 WORD = re.compile(
     rb"(?<![A-Z])(I?)(X|Y|Z|PR|PA|R|DR)(?:[ \t]*([-+]?[0-9]*\.?[0-9]+)|([-+])(?![0-9.]))"
 )
+# R0, RL and RR are no radius: they are hidden (as \0) while words are read, and come back.
 SIDES = re.compile(rb"(?<![A-Z])R[0LR](?![0-9.])")
 MARKED = re.compile(rb"\0([0LR])")
 CALLED = re.compile(rb"[ \t]*(?<![A-Z])M[ \t]*0*99(?![0-9])")
@@ -167,6 +168,7 @@ class KlartextPaths(Before):
         if self.holes.stays:
             return self.holes.kept()
         lines = called(self.scene, self.tool, self.holes)
+        # A cycle has left its own feed: the program's must be named again where it feeds on.
         self.due = self.due or bool(lines)
         return lines
 
@@ -179,6 +181,8 @@ class KlartextPaths(Before):
         second = max(pattern.value(204, clear), clear)
         if self.holes.cycle in WITH_PARTS:
             raise scene.fault(f"a pattern of cycle {self.holes.cycle}", "define cycle 200 or 207")
+        # The pattern's clearance, surface and level replace those of the cycle: Q301 0 stays low
+        # between.
         own = {200: clear, 203: top, 204: second if between else 0.0}
         self.holes.data |= {n: f"{v:+.6f}".encode() for n, v in own.items()}
         high = b"L " + signed(scene, "Z", top + second) + FAST
@@ -291,6 +295,7 @@ class KlartextPaths(Before):
         turn = words.get("DR", (False, 0.0))[1]
         if kind not in (b"LP", b"CT") and not turn:
             raise scene.fault(f"{kind.decode()} without DR", "DR+ or DR- says which way it turns")
+        # LP to PR and PA needs no start: an arc of no length about the pole carries its end.
         here = at or self._centre()
         arc = self._polar(kind, here, words) if polar else self._round(kind, here, words, plane)
         self._go_on(kind, arc, plane, at is not None)
@@ -352,6 +357,10 @@ class KlartextPaths(Before):
         to = centre[0] + radius * math.cos(place), centre[1] + radius * math.sin(place)
         if step and angle * turn < 0:
             raise self.scene.fault("IPA and DR of CP have different signs", "write both alike")
+        #  CC + . . .    Angles count from the plane's first axis, PR is the radius of LP. IPA goes
+        #     |\  PA     on from the start, and may go around more than once; PA names the end
+        #     | \ PR     alone: there in the sense of DR, by 360 where it is the start.
+        #     |  o to
         sweep = abs(angle) if step else (end - begin) * turn % 360 or 360.0
         return Arc(at, to, centre, turn, math.radians(sweep))
 

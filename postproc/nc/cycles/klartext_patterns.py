@@ -53,6 +53,9 @@ def _polar(scene: Scene, value: Value) -> list[tuple[float, float]]:
 
 
 def _linear(value: Value) -> list[tuple[float, float]]:
+    #  9  8  7    to and fro: the shortest way; Q237 from column to column, Q238 from line to
+    #  4  5  6    line, all of it turned by Q224 about point 1 (Q225 Q226)
+    #  3  2  1
     turn, found = math.radians(value(224, 0.0)), []
     for line in range(int(value(243))):
         columns = range(int(value(242)))
@@ -75,6 +78,7 @@ def pecks(scene: Scene, data: dict[int, float]) -> list[tuple[float, bool]]:
         raise scene.fault("cycle 1 with too many pecks", "check 1.2 and 1.3")
     unit = scene.unit
     deep = depth * unit
+    # 0.6 mm and 30 mm are millimetres in inch programs too.
     stop = (0.6 if deep <= 30 else min(deep / 50, 7.0)) / unit
     surface, reached, found = top - abs(data[1]), 0.0, []
     while reached < depth - NEAR:

@@ -90,6 +90,7 @@ class _Cut:
                 " fit in it",
                 "check the tool's radius and the sizes of the pocket",
             )
+        # Where the tool's middle goes: roughing stays Q368 off the wall, finishing runs along it.
         self.inside, self.way = wall.less(self.radius + self.side), wall.less(self.radius)
         self.middle, self.turn = self._placed(wall)
         self.high = self.top + max(self.clear, value(204, self.clear))
@@ -122,6 +123,7 @@ class _Cut:
             )
         cos, sin = math.cos(math.radians(angle)), math.sin(math.radians(angle))
         x, y = away[0] * cos - away[1] * sin, away[0] * sin + away[1] * cos
+        # In the pocket's own coordinates, whose zero is its middle: the place of the call.
         self.called = -away[0], -away[1]
         return (scene.at("X") + x, scene.at("Y") + y), (cos, sin)
 
@@ -189,6 +191,7 @@ class _Cut:
         how, feed = self.value(366, 1.0), self.feed(206)
         if how not in (0, 1, 2):
             raise self.scene.fault(f"cycle {self.cycle} with Q366 {how:g}", "write 0, 1 or 2")
+        # A helix of a tenth of the tool's radius is a plunge in the middle: straight down instead.
         r, least = min(self.inside.a, self.inside.b, self.radius), 0.1 * self.radius
         if how == 1 and r > least:
             half = ((r, 0.0), (-r, 0.0)), ((-r, 0.0), (r, 0.0))
@@ -207,6 +210,9 @@ class _Cut:
         """Down along ways that come back to where they began, and once more at the depth."""
         high, z = heights
         self._to(points[-1], self.feed(207))
+        #  high '-.             A round goes down by `way` times the slope at most; one more at the
+        #          '-.          depth takes away the ramp itself.
+        #  z       ___'-.___
         rounds = math.ceil((high - z) / (way * SLOPE) - NEAR)
         count = max(rounds, 1) * len(points)
         if count > 100 * MOST_DEPTHS:
@@ -225,6 +231,8 @@ class _Cut:
             self._to(self._sensed(point), feed)
 
     def _sensed(self, point: Point) -> Point:
+        # Rings run counter-clockwise, which in a pocket is climb milling: mirrored they run the
+        # other way.
         return point[0], point[1] * self.sense
 
     def _to(self, place: Point, feed: bytes = FAST, z: float | None = None) -> None:

@@ -102,6 +102,10 @@ def _revolutions(
     """From the start around, once for each pair of half sides and their corner, and back; with the
     clock where way is 1."""
 
+    #    .---->----.             From the start s on a semicircle to the right side, around with the
+    #    |  stud   |  .-<-.      clock, and back on another: both touch the way around, so that the
+    #    |         |  v    \     tool leaves no mark where it comes on.
+    #    '----<----'   '->--s
     def across(first: float, last: float) -> list[Point]:
         middle = ((first + last) / 2, 0.0)
         return ends(scene, Arc((first, 0.0), (last, 0.0), middle, 1.0, math.pi))
@@ -111,6 +115,7 @@ def _revolutions(
         found += [(sides[0], 0.0), *_around(scene, sides, corner)]
     found += across(turns[-1][0][0], start)
     if way < 0:
+        # Up-cut: the picture mirrored about X, which turns every sense round.
         found = [(x, -y) for x, y in found]
     return [
         p for p, q in zip(found, [(start, 0.0), *found], strict=False) if math.dist(p, q) > NEAR

@@ -190,6 +190,8 @@ class KlartextTurns(Before):
         self.paths.heading.lose()
         self.paths.pole = {}
         self.map, self.exact = new, ({}, {})
+        # A mirror or a factor leaves X in X; a turn mixes X and Y, and the next line must name
+        # both.
         self.loose = len(new.partners("X")) > 1
         self.scene.forget()
 
@@ -249,6 +251,7 @@ class KlartextTurns(Before):
         self.loose = False
         self.exact = dict(here), {x: scene.rounded(x, out[x]) for x in here}
         first = words[0]
+        # From behind: places in front of a word that goes out stay what they are.
         for match in reversed(words[1:]):
             body = body[: match.start()].rstrip(b" \t") + body[match.end() :]
         texts = b" ".join(signed(scene, x, out[x]) for x in mixed)

@@ -190,6 +190,8 @@ class Lap:
             raise self.scene.fault(
                 "the starting point of G86 is as deep as the shape", "start outside of the part"
             )
+        # The last copy lies at U and W and is the way along the shape, which follows: 1e-9 keeps a
+        # whole number of cuts from making it twice.
         cuts = int(abs(way[deep]) / call.depth - 1e-9)
         if cuts > MOST_PASSES:
             raise _too_many(self.scene, cuts, call.depth)
@@ -217,6 +219,9 @@ def _cut_part(first: Element, rest: list[Element], deep: int, start: Point) -> l
     """The shape without the rapids at its end, where they draw the tool back along the cuts on the
     starting point's side of all of it: they cut nothing, and the last cut goes along them."""
     ways = [e.end[1 - deep] - e.start[1 - deep] for e in rest]
+    #          start o       A shape whose last block is a rapid out: roughing would find it turning
+    #  ___    ___    :       back along the cuts, where the tool only leaves.
+    #     \__/   \___: G0
     kept = list(rest)
     while len(kept) > 1 and kept[-1].code == 0:
         kept.pop()

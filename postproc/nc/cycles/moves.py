@@ -31,6 +31,8 @@ class Moves:
             if w.letter == "M" and w.value in later and i not in own
         ]
         self._out = own | set(self._last)
+        # Where the cycle's first word stood, so that N, F, S and T keep their order around the
+        # motion.
         self._place = min(own) if own else None
 
     def _join(self, words: list[bytes]) -> bytes:
@@ -46,6 +48,7 @@ class Moves:
 
     def words(self, code: str, *words: bytes) -> None:
         """A motion whose axis words are written already."""
+        # The first line always names it: what was in force before is the program's, not ours.
         named = code != self._code or not self.lines or not self.scene.dialect.modal_motion
         head = [code.encode()] if named else []
         self._code = code
@@ -64,6 +67,7 @@ class Moves:
     def word(self, axis: str, value: float) -> bytes:
         """The word that takes an axis to a programmed coordinate."""
         scene = self.scene
+        # Rounded places, and distances between rounded places: the roundings of G91 do not add up.
         value = scene.rounded(axis, value)
         word = scene.text(
             axis, value - scene.rounded(axis, scene.at(axis)) if scene.incremental else value

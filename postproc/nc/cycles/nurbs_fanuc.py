@@ -71,6 +71,10 @@ class FanucNurbs(Cycle):
         elif block.word("P"):
             raise scene.fault("P behind the first block of a NURBS", PROGRAM, block.word("P"))
         self._block(scene, block)
+        #  G6.2 P4 X0. Y0. R1. K0.    A pole and a knot in each block, then P times a knot alone: n
+        #  X1. Y2. R1. K0.            poles take n + P knots. The lines of the curve are written at
+        #  ...                        the last one.
+        #  K1.
         if len(self.knots) < len(self.poles) + self.rank:
             return Outcome(m.finish())
         curve, axes = self._curve(scene), self.axes
@@ -96,6 +100,7 @@ class FanucNurbs(Cycle):
         """A control point, or a knot alone."""
         knot, weight = block.word("K"), block.word("R")
         axes = tuple(x for x in AXES if block.word(x))
+        # A knot alone has come, so the poles are over.
         bare = len(self.knots) > len(self.poles)
         if not axes and not self.poles and not self.axes:
             # where the tool stands; the next block says which axes take part
@@ -160,6 +165,7 @@ class FanucNurbs(Cycle):
         """Raises ProgramError for knots that no curve of this rank has."""
         k = self.rank
         steps = np.diff(knots)
+        # Of a knot as often as the rank the curve would fall apart into two.
         inner = knots[k : len(self.poles)]
         clamped = (knots[:k] == knots[0]).all() and (knots[-k:] == knots[-1]).all()
         if len(self.poles) < k or (steps < 0).any() or not clamped or knots[0] == knots[-1]:

@@ -34,6 +34,9 @@ def offset(elements: list[Element], distance: float, side: int, along: int) -> l
         moved.append(new)
     result = [moved[0]]
     for before, after, new in zip(elements, elements[1:], moved[1:], strict=False):
+        #     .--a         |      Elements end at a, the next begin at b. Outside of a corner a gap
+        #  ---+   \      --b-a    opens, which an arc about the old corner closes; inside they
+        #     |    b       |      overlap, and are cut off where they meet.
         turn = across(before.piece, after.piece)
         last = result[-1]
         if (before.is_arc or after.is_arc) and math.dist(last.end, new.start) < TOUCHING:

@@ -64,6 +64,12 @@ class Pocket(Cycle):
         axis, step = self._step(scene, block, radius)
         start = _start(scene, block)
         shape = _shape(scene, block, start)
+        #  .--------------.    Outside the shape, which the finish pass cuts under G41 or G42;
+        #  | .----------. |    within it the contour, where the tool's centre goes around, its
+        #  | | |--.  .->| |    radius and the stock K from the wall; across it the strokes of the
+        #  | | |  '--'  | |    clearing, a step of I or J apart, joined along the contour.
+        #  | '----------' |
+        #  '--------------'
         contour, clearing = self._way(scene, shape, start, radius + stock, side, axis, step)
         m = Moves(scene, own_words(block, "".join(WORDS), {CODE, LEFT, RIGHT}))
         m.move("G0", dict(zip("XY", start, strict=True)))
@@ -101,6 +107,8 @@ class Pocket(Cycle):
             )
         try:
             contour = pocket_path.beside(shape, distance, side)
+            # The start place may lie anywhere in the pocket, but not so that the way in passes the
+            # wall.
             way_in = Piece(0, start, contour[0].start)
             pocket_path.keeps_away(pocket_path.walls(shape, side), [way_in], distance)
             return contour, pocket_path.clearing(contour, axis, step)
@@ -136,6 +144,7 @@ class Pocket(Cycle):
                 "write I for steps along X, or J for steps along Y",
             )
         step = scene.length_in(block, named[0], "X")
+        # A step wider than the tool would leave ridges standing.
         if not 0 < step <= 2 * radius:
             raise scene.fault(
                 f"{named[0]}{step:g} of G150, and the tool is {2 * radius:g} wide",
@@ -160,6 +169,7 @@ def _modes(scene: Scene) -> None:
         raise scene.fault("G150 outside the XY plane", "write G17 before it")
     if scene.incremental:
         raise scene.fault("G150 in G91", "write G90 before it; its shape may be in G91")
+    # Of the tracker, not of the scene, which counts the block's own G41 in already.
     if scene.tracker.code("cutter") in (LEFT, RIGHT):
         raise scene.fault(
             "G150 with cutter radius compensation on", "write G40 before it: its own G41 says it"

@@ -91,6 +91,9 @@ class TypeTwo:
 
     def _cuts(self, level: float) -> list[Cut]:
         """All cuts at a level."""
+        #  level  -cut-   -cut-     A cut lies where the shape is deeper than the level: it begins
+        #  shape \     / \     /    on the piece that goes down through it (`enter`) and ends on the
+        #         '---'   '---'     next one that comes up (`leave`).
         along, found = 1 - self.deep, []
         begin, enter = 0.0, -1
         for i, e in enumerate(self.pieces):
@@ -145,6 +148,8 @@ class TypeTwo:
     def _enter(self, k: int, cut: Cut) -> None:
         """Down into a trough, along the shape."""
         above, i = self._level(k - 1), cut.enter
+        # Up the slope to the level of the cut before, or to the ridge: material above is gone
+        # there.
         while i > 1 and self._deeper(self.pieces[i].start, above) and self._falls(i - 1):
             i -= 1
         e = self.pieces[i]
@@ -185,6 +190,7 @@ class TypeTwo:
     def _up(self, k: int) -> None:
         """Out to the level of the cut before and an escape more, if the tool is deeper."""
         over = (k - 1) * self.depth - self.escape
+        # Never beyond the start point, where the stock is not known to end.
         height = self.top + self.sense * max(over, 0.0)
         if (self.at[self.deep] - height) * self.sense > NEAR:
             self._go("G0", self._place(self.at[1 - self.deep], height))

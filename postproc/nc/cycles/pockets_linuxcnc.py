@@ -232,6 +232,9 @@ class Roughing:
                 if abs(here - self.pieces[n].start) < LEVEL:
                     return False, n - k
                 return True, 0  # nothing is left to cut on this level
+            #    .  .  .  .  .       Cut towards -z, out at 45 degrees by the escape (by half the
+            #   /             \      cut where that is shorter), back over the cut, and down again
+            #  to <---cut--- here    to where it began.
             share = min(1.0, length / 2 / self.escape) * self.escape
             self._go("G1", complex(to, here.imag))
             self._go("G0", complex(to + share, here.imag + share))
@@ -246,6 +249,8 @@ def roughing(elements: list[Element], deep: int, depth: float, escape: float) ->
     along x."""
     turned = [_piece(e, deep) for e in elements]
     first, last = turned[0].end, turned[-1].end
+    # The picture is an outer shape towards -z; one that goes towards +z, or an inner one, is
+    # flipped, and `out` flips the way back. One flip alone turns the sense of arcs round.
     up, back = first.imag > last.imag, first.real < last.real
     pieces = [_flipped(p, up, back) for p in turned]
 
@@ -253,6 +258,7 @@ def roughing(elements: list[Element], deep: int, depth: float, escape: float) ->
         z, x = (-p.real if back else p.real), (-p.imag if up else p.imag)
         return (z, x) if deep == 1 else (-x, z)
 
+    # A wall up to the start point's level, or the cuts above the shape's end would find no end.
     if pieces[-1].end.imag < pieces[0].start.imag:
         pieces.append(Piece(pieces[-1].end, complex(pieces[-1].end.real, pieces[0].start.imag)))
     return Roughing(pieces, depth, escape, out, up != back)
