@@ -29,6 +29,7 @@ AT_LAST_PLACE, LABEL, SHIFT = 290, 980, 540
 POLAR = {100: "G00", 110: "G01"}
 ROUND = {120: -1, 130: 1}  # G12 and G13, 1: against the clock
 FULL_TURN = 1e-6  # degrees: an end at the start is a full circle
+# The language writes whole numbers without a point.
 POINT = re.compile(rb"(?<=\d)\.(?!\d)")
 
 
@@ -105,6 +106,8 @@ class PoleArcs(Before):
 
     def _bare(self, line: Line, block: Block, end: bytes) -> list[Line]:
         """A block without a place: its code is not the control's own business any more."""
+        # G02 alone would leave the control in an arc, and lines named G01 alone follow: it goes
+        # out.
         out = own_words(block, "", {CLOCKWISE, COUNTER, *ROUND})
         text = block.written(out) if out else block.text
         return [line._replace(text=text + end)] if text.strip(b" \t\r") else []
@@ -167,12 +170,15 @@ class PoleArcs(Before):
                     "G13 with H above 0, G12 with H below",
                 )
         else:  # above 0 and up to 360: an end at the start is all the way round
+            # An end at the start, but for a rounding to either side (FULL_TURN), is all the way
+            # round.
             by = ((angle - begin) * turn - FULL_TURN) % 360.0 + FULL_TURN
         away = math.dist(at, centre)
         to = (
             centre[0] + away * math.cos(math.radians(angle)),
             centre[1] + away * math.sin(math.radians(angle)),
         )
+        # A helix: the axis across the plane goes in proportion, and over all revolutions of `by`.
         low, height = self._height(block, across)
         places = ends(scene, Arc(at, to, centre, turn, math.radians(by)))
         m = Moves(scene, own_words(block, f"{across}HIJK", set(ROUND)))

@@ -141,6 +141,7 @@ class Polynomials(Before):
         plain = {w.letter: w.value or 0.0 for w in block.words if w.letter in AXES}
         axes = [x for x in AXES if x in values or x in plain]
         count = max(len(v) for v in values.values()) + 1
+        # No denominator is one of 1: the Bernstein ordinates of a constant are all 1.
         below = np.eye(1, count)[0]
         if DENOMINATOR in values:
             below = _coefficients(1.0, values[DENOMINATOR], 1.0, length, count)
@@ -149,10 +150,13 @@ class Polynomials(Before):
             _coefficients(scene.at(x), values.get(x, [plain.get(x, 0.0)]), end, length, count)
             for x in axes
         ]
+        # (K, D + 1), the coordinates times the weight and the weight: what curve.lines_of halves.
+        # Above 0 the weights keep each piece within the hull of its poles.
         poles = np.column_stack([_bernstein(c) for c in [*columns, below]])
         if (poles[:, -1] <= 0).any():
             raise scene.fault("a denominator whose poles are not above 0", WRITE)
         points = lines_of(poles, scene.chord, len(axes))
+        # The end as it is written, not as the sum of coefficients has it.
         points[-1] = [values[x][0] if x in values else plain[x] for x in axes]
         return self._lines(line, block, axes, points)
 

@@ -67,6 +67,8 @@ class Element:
             return True
         arms = [(p[0] - self.centre[0], p[1] - self.centre[1]) for p in (self.start, self.end)]
         (z0, x0), (z1, x1) = arms
+        # Within a quadrant no coordinate of the arms at both ends changes its sign; a rounding
+        # beyond an axis of the circle is let through.
         near = 1e-6 * max(1.0, math.hypot(z0, x0))
         same = not (z0 * z1 < -(near**2) or x0 * x1 < -(near**2) or min(z0 * z1, x0 * x1) < -near)
         turn = math.atan2(z0 * x1 - x0 * z1, z0 * z1 + x0 * x1)  # from Z towards X
@@ -81,6 +83,7 @@ class Element:
             return None
         if not self.is_arc:
             span = self.end[axis] - self.start[axis]
+            # A cut along an element that lies at its level ends where the element begins.
             if abs(span) < NEAR:
                 return self.start[other]
             share = (value - self.start[axis]) / span
@@ -149,6 +152,7 @@ def find(
             corners[k], block = corner, Block.of(text, scene.dialect.grammar)
         if not block.plain and drawing_fanuc.bare(scene, "A"):
             block = Block.of(drawing_fanuc.without_comma(block.text), scene.dialect.grammar)
+        # Variables, as they are where the cycle stands.
         if not block.plain and (worked := scene.tracker.rendered(block.text)) is not None:
             block = Block.of(worked, scene.dialect.grammar)
         chosen[k] = line, block, number
@@ -165,6 +169,8 @@ def find(
 def _first(scene: Scene, rows: list[Row], begin: int, after: int, kept: int) -> int:
     """The row of the shape's first block."""
     starts = [i for i, (line, _, n) in enumerate(rows) if n == begin and line > after]
+    # A roughing takes the first P behind it; G70, which asks for no line (`after` 0), the one that
+    # a roughing with the same numbers took before.
     if after and starts:
         line = rows[starts[0]][0]
         if others := [str(other) for other, _, n in rows if n == begin and other != line]:
@@ -218,6 +224,7 @@ def shape(scene: Scene, profile: Profile, start: tuple[float, float], motion: in
             angle = block.get("A") if drawing_fanuc.bare(scene, "A") else None
             corner = drawing_fanuc.corner_of(scene, block, profile.corners.get(row))
         place = _place(scene, block, here, incremental)
+        # Of two lines by two angles the first has no end of its own: it waits for the second.
         if angle is not None and place == (None, None):
             if open_line is not None:
                 raise scene.fault("two lines of the shape with A alone", drawing_fanuc.WRITE)
@@ -234,6 +241,7 @@ def shape(scene: Scene, profile: Profile, start: tuple[float, float], motion: in
             here, open_line = meets, None
         elif angle is not None and None in place:
             z, x = drawing_fanuc.on_line(scene, here, angle, *place)
+        # F or S alone in a shape, or a number: no element.
         if (z, x) == here:
             continue
         element = _arc(scene, block, Element(motion, here, (z, x), row=row))
@@ -308,6 +316,7 @@ def _arc(scene: Scene, block: Block, element: Element) -> Element:
                 "an arc of the shape has no I, K or R", "write its centre or its radius"
             )
         z0, x0 = element.start
+        # I and K are distances from the start, I a radius even where X is a diameter.
         centre = (z0 + scene.length_in(block, "K", "Z"), x0 + scene.length_in(block, "I", "X"))
         return replace(element, words=words, centre=centre)
     r, chord = scene.length(radius, "X"), math.dist(element.start, element.end)

@@ -96,8 +96,10 @@ class LinuxcncRotation(FrameControl):
         if angle is None:
             return [block.text]
         self.turns[system] = angle
+        # G10 L2 P1 R30 alone says nothing else: all of it goes out. With X, Y or Z the shift stays.
         letters = "R" if any(w.letter in "XYZABCUVW" for w in block.words) else "RLP"
         out = own_words(block, letters, {DATA} if letters != "R" else set())
+        # While a frame is at work a turn by 0 is kept, since it has to end what an older one began.
         self.turns = {
             n: degrees for n, degrees in self.turns.items() if degrees or self.frames.active
         }

@@ -141,6 +141,8 @@ class Roughing:
         """Cuts from the start's side down to the first point of the shape."""
         deep, along, first, rest = self.deep, 1 - self.deep, self.first, self.rest
         fault, pen, c = self.pen.scene.fault, self.pen, self.begin
+        # Type I works from the first point, the deepest of the shape, out to the last one: a shape
+        # that dives on behind it would be cut into by levels that were never counted.
         behind = rest[-1].end[deep] - rest[0].start[deep]
         if behind * (first.end[deep] - first.start[deep]) > NEAR:
             raise fault(

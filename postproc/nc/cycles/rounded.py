@@ -28,6 +28,8 @@ class Rounded:
 
     def less(self, distance: float) -> Rounded:
         """The same as far inside on all sides (outside where below 0)."""
+        # Corners shrink with the sides: rings of one pocket are parallel, and sharp once they lie
+        # as far inside as the corner's radius.
         a, b, corner = (max(v - distance, 0.0) for v in (self.a, self.b, self.corner))
         return Rounded(a, b, min(corner, a, b))
 
@@ -40,6 +42,9 @@ class Rounded:
         a, b, r = self.a, self.b, self.corner
         pieces: list[Piece] = []
         here = self.start
+        #  (-1, 1) .-------. (1, 1)     Counter-clockwise from corner to corner, each between a
+        #          |       o start      point on its side along Y and one on that along X: in the
+        # (-1, -1) '-------' (1, -1)    first and third quadrant the former comes first.
         for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1)):
             centre = x * (a - r), y * (b - r)
             ends = (x * a, centre[1]), (centre[0], y * b)

@@ -51,6 +51,8 @@ class MarlinSpline(Cycle):
         poles = _poles(block, start, end)
         m = Moves(scene, own_words(block, "".join(WORDS), {code}))
         axes, last = tuple(start), 0.0
+        # The share of the parameter is a fourth coordinate: the first three decide where lines end,
+        # E goes along.
         for x, y, height, share in bezier(*poles).points(scene.chord, 3):
             place = dict(zip("XYZ", map(float, (x, y, height)), strict=True))
             words = [m.word(axis, place[axis]) for axis in axes if scene.differs(axis, place[axis])]
@@ -60,6 +62,7 @@ class MarlinSpline(Cycle):
                 words.append(b"E" + number(now - last if relative else now, E_DECIMALS).encode())
                 last = now
             m.words("G1", *words)
+        # M83: E stands for itself, and no place of it is known.
         if fed is not None and not fed[2]:
             scene.moved("E", fed[0] + fed[1])
         return Outcome(m.finish())

@@ -113,6 +113,7 @@ class Splines(Cycle):
         if (i is None) != (j is None) or p is None or q is None:
             raise scene.fault("G5 without its poles", "write I and J, or neither, and P and Q")
         if i is None or j is None:
+            # So the curve goes on along the tangent of the one before.
             i, j = self.last
         self.last = -p, -q
         return bezier((x, y), (x + i, y + j), (ex + p, ey + q), (ex, ey))
@@ -164,6 +165,7 @@ class Splines(Cycle):
                 f"a NURBS of order {self.order} with {len(poles)} control points",
                 "it needs as many as its order L",
             )
+        # Poles in G90 are places: a shift between them would tear the curve apart.
         if any(abs(a - b) > NEAR for a, b in zip(_start(scene), poles[0], strict=False)):
             raise scene.fault(
                 "the coordinates or the axes moved between G5.2 and G5.3", "move them before G5.2"

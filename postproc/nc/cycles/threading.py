@@ -146,6 +146,8 @@ class LinuxcncThread(Cycle):
             value = block.get(axis)
             here = scene.at(axis)
             end[axis] = here if value is None else here + value if scene.incremental else value
+        # Seen from the start: the thread runs to -Z with 1, and `below` and the tapers turn with
+        # it.
         sign = -1 if end["Z"] > scene.at("Z") else 1
         return Thread(
             start=(scene.at("X") / half, scene.at("Z")),

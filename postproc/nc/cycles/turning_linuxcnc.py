@@ -59,6 +59,8 @@ def _straight_in(elements: list[Element], along: int) -> list[Element]:
     sense = 1 if last.end[along] > first.end[along] else -1
     if (first.end[along] - first.start[along]) * sense >= 0:
         return elements
+    #         o begin . o start    A way in that comes from beyond the first point would go against
+    #  <-cuts-o first point        the cuts: it begins straight above that point instead.
     begin = list(first.start)
     begin[along] = first.end[along]
     return [replace(first, start=(begin[0], begin[1])), *elements[1:]]
@@ -161,6 +163,8 @@ class LinuxcncTurning(Cycle):
         first, rest = elements[0], elements[1:]
         for e in rest:
             self._closes(scene, e)
+        # The side of the start point, by the cross product of the shape's way with the way in: above
+        # 0 it lies to the left.
         way = rest[-1].start[0] - rest[0].start[0], rest[-1].start[1] - rest[0].start[1]
         aside = first.start[0] - first.end[0], first.start[1] - first.end[1]
         side = way[0] * aside[1] - way[1] * aside[0]
@@ -239,6 +243,7 @@ class LinuxcncTurning(Cycle):
                 f"a distance to a shape of one {'XZ'[along]}",
                 "LinuxCNC takes the wrong side of it: write it out",
             )
+        # Pass k lies E + (k - 1) (D - E) / P off: the last one at E, the first one nearer than D.
         for k in range(int(times), 0, -1):
             path = self._at(scene, elements, (k - 1) * (d - e) / times + e, along)
             pen.to("G0", path[0].start)

@@ -66,6 +66,11 @@ class Turn(Cycle):
             )
         if tapers:
             self.taper = scene.length(tapers[0], "Z" if self.facing else "X")
+        #  o---- G0 ---> start    G90 (G77): the taper lies where the cut begins, a radius; below 0
+        #  ^             :        the part thickens towards the end. G94 (G79): X and Z change
+        #  G1            G0       places, the taper along Z.
+        #  |             v
+        #  X Z <-- G1 -- X + R
         half = scene.double("X")
         x, z = self.to["X"], self.to["Z"]
         if self.facing:

@@ -72,6 +72,7 @@ class Form:
                 if self.increments
                 else word.letter
             )
+            # Where U V W H are distances, X and U are one word: a place named twice is refused.
             if meant in seen:
                 raise scene.fault(
                     f"{meant} is named twice in {where}",
