@@ -163,8 +163,8 @@ class LinuxcncTurning(Cycle):
         first, rest = elements[0], elements[1:]
         for e in rest:
             self._closes(scene, e)
-        # The side of the start point, by the cross product of the shape's way with the way in: above
-        # 0 it lies to the left.
+        # The side of the start point, by the cross product of the shape's way with the way in:
+        # above 0 it lies to the left.
         way = rest[-1].start[0] - rest[0].start[0], rest[-1].start[1] - rest[0].start[1]
         aside = first.start[0] - first.end[0], first.start[1] - first.end[1]
         side = way[0] * aside[1] - way[1] * aside[0]

@@ -43,6 +43,8 @@ DIALECT = Dialect(
         *rows("scaling", {"51": "scaling"}, refuses=codes.UNTURNED),
         *rows("", {"65": "macro call"}, takes=True, refuses=codes.INLINE),
     ),
+    # Where M6 and M25 leave Z is the machine's own: until the program names it, nothing counts from
+    # there.
     change_takes="Z",
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
@@ -54,6 +56,7 @@ DIALECT = Dialect(
     m_refuses={98: codes.INLINE},
     grammar=Grammar(
         ignores=(OVERRIDES,),
+        # 0: M25 passes, and no axis has a known place behind it.
         macros=((r"^([ \t]*N[ \t]*\d+)?[ \t]*M[ \t]*0*25(?![0-9.])[^;\n]*", 0),),
     ),
     holes_written_out=False,

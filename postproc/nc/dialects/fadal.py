@@ -66,7 +66,10 @@ DIALECT = Dialect(
     m_codes={**codes.SPINDLE_AND_COOLANT, 17: "end of subroutine"},
     m_refuses={98: codes.INLINE, 99: codes.INLINE},
     grammar=Grammar(
+        # R0+.1 is R.1: the R0 before it says that it is the level of the cycle. O1 names the
+        # program.
         ignores=(r"(?<=R)0(?=[+-][0-9.])", r"^[ \t]*(?:N[ \t]*\d+)?([ \t]*)O[ \t]*\d+"),
+        # L with three digits calls a subroutine (L100), with fewer it repeats a cycle (L2).
         macros=((r"^[ \t]*(?:/[ \t]*)?(?:N[ \t]*\d+)?([ \t]*)L[ \t]*\d{3,}[^\n]*", 1),),
     ),
     macro_refuses=(codes.CALL,),
@@ -82,6 +85,8 @@ DIALECT = Dialect(
     length_at_once=True,
     offset_letter="E",
     letters="EL",
+    # The three heads of Autodesk's posts: offsets off, a fixture with the place, a length with its
+    # Z.
     signs=(
         r"\bH0[ \t]+E0\b",
         r"^[ \t]*(?:N[ \t]*\d+[ \t]*)?E\d+(?:[ \t]+[XY]|[ \t]*$)",

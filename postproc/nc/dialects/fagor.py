@@ -18,6 +18,7 @@ from postproc.nc.rows import rows
 
 _HEAD = r"^[ \t]*(?:/[ \t]*)?(?:N[ \t]*\d+[ \t]*)?"
 # statements in ( ) of the 8025 to 8055, and the reason of each
+# The number of each is that of its sentence in `macro_refuses`, from 1.
 _STATEMENTS = {
     r"(?:P\d+[ \t]*=|V\.)": 7,
     r"(?:IF|GOTO)\b": 9,
@@ -30,10 +31,13 @@ _QUIET = (
     r"#[ \t]*(?:MSG|WARNING|ERROR|DGWZ|DGSPDL|FLUSH|HSC|ESBLK|DSBLK|KIN[ \t]+ID)\b[^;\n]*|#["
     r" \t]*(?:RTCP|CS|ACS|MCS)[ \t]+OFF\b"
 )
+# Blocks in which R and Q are other words: holes, threads, corners, a rotation, the spindle's angle.
 _ELSE = (
     r"(?![^;\n]*(?<![A-Z0-9])G[ \t]*0*(?:33|34|36|37|38|39|51|63|69|73|8\d)(?!\d))(?![^;\n]*M["
     r" \t]*0*19(?!\d))"
 )
+# R or Q and no axis: a radius and an angle about the pole. With X Y Z beside it R is an arc's
+# radius.
 _POLAR = (
     r"(?=[^;(\n]*(?<![A-Z])[RQ][ \t]*[-+.\d])(?![^;(\n]*(?<![A-Z])[XYZ][ \t]*[-+.\d])"
     + _ELSE
@@ -172,9 +176,12 @@ DIALECT = Dialect(
         **dict.fromkeys(range(41, 45), "gear"),
         45: "live tool",
     },
+    # ( ) is no comment by itself here, or (P1=5) and (GOTO N10) of the 8055 would be passed over in
+    # silence: what is no statement is ignored below.
     grammar=Grammar(
         parentheses=False,
         keywords=("#MCS",),
+        # name of the program; comments; what only shows, waits or speeds up
         ignores=(r"^[ \t]*%[^\n]*", rf"(?!{_STATEMENT})\([^()\n]*\)", _QUIET),
         macros=(
             (_HEAD + r"#[ \t]*(?:RTCP|TLC|KIN)\b[^;\n]*", 1),
@@ -183,6 +190,7 @@ DIALECT = Dialect(
             (_HEAD + r"#[ \t]*(?:CALL|PCALL|MCALL|MDOFF|EXEC|RPT|TCALL)\b[^;\n]*", 4),
             (_HEAD + r"(?:\$|%L|L[ \t]*\d)[^;\n]*", 4),
             (_HEAD + r"#[ \t]*MCS[ \t]+ON\b[^;\n]*", 5),
+            # behind the statements that are known: any other one
             (_HEAD + r"#(?![ \t]*MCS\b)[^;\n]*", 6),
             *(
                 (rf"^[^;\n]*\([ \t]*{statement}[^\n]*", reason)

@@ -65,6 +65,7 @@ DIALECT = Dialect(
     language="fanuc",
     plane=180,
     polar="C",
+    # In system B beside G90 and G91: U is a distance in either.
     increments={"U": "X", "V": "Y", "W": "Z", "H": "C"},
     drawn="CRAIK",
     dwell="PXU",

@@ -22,6 +22,7 @@ DIALECT = replace(
         *shared.RETURN,
         *shared.SET,
         *shared.THREAD,
+        # Each counts as its kin of system B everywhere behind the text: only its spelling differs.
         *rows("units", {"70": "inch"}, like="G20"),
         *rows("units", {"71": "millimetre"}, like="G21"),
         *rows("shift", {"92.1": "no position shift"}, takes=True, does="set zero"),

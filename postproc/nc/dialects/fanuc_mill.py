@@ -47,6 +47,7 @@ DIALECT = Dialect(
         *shared.BACK_BORE,
         *shared.THREAD,
         *shared.SCALING,
+        # Without its G69, which here ends a tilted plane (G68.2) too and has a row of its own.
         *shared.ROTATION[1:],
         *rows(
             "shift",
@@ -190,7 +191,7 @@ DIALECT = Dialect(
         semicolon="end of block", ignores=(shared.PRINTS, shared.NAMED_PROGRAM, shared.DRAWS)
     ),
     language="fanuc",
-    tip_frame="call",
+    tip_frame="call",  # parameter 19696 bit 5 = 0 (docs/FIVE_AXES.md)
     change_takes="Z",
     length_left_open=True,
     length_lapses=(280, 300, 530),

@@ -14,6 +14,7 @@ from postproc.nc.rows import rows
 HOMING = r"^[ \t]*\$H[ \t\r]*$"
 # what CNCjs keeps to itself: %wait, and variables, %X0=posx (CNCjs wiki, "Macro Usage")
 SENDER = r"^[ \t]*%[ \t]*(?:wait\b|[a-z_]\w*[ \t]*=)[^\n]*$"
+# Homes one axis: it passes, and no axis has a known place behind it.
 ONE_AXIS = (r"^[ \t]*\$H[A-Z][ \t\r]*$", 0)
 
 DIALECT = Dialect(
@@ -56,6 +57,8 @@ DIALECT = Dialect(
     homes=True,
     skips_centre=True,
     change_returns="Z",
+    # gcode.c, step 20: start and end radius may differ by 0.005 mm, by more up to a thousandth of
+    # the radius, by more than 0.5 mm never.
     arc_tolerance_mm=0.005,
     arc_tolerance_relative=0.001,
     arc_tolerance_most_mm=0.5,

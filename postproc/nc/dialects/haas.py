@@ -180,6 +180,7 @@ DIALECT = Dialect(
     },
     grammar=Grammar(semicolon="end of block", ignores=(shared.PRINTS,), slash_within=True),
     language="fanuc",
+    # Where the tables stand for its axes is in no text that was found: asked for where it matters.
     tip_frame="",
     change_takes="Z",
     length_left_open=True,
@@ -190,7 +191,7 @@ DIALECT = Dialect(
     one_code_per_group=False,
     extended_by_p=True,
     digits=8,
-    counts=0.001,
+    counts=0.001,  # mm and degrees; in inches a tenth of it (setting 162 off)
     hole_from_start=True,
     exact_stops=(90, 610),
     letters="E",

@@ -40,6 +40,7 @@ DIALECT = Dialect(
         *rows("work offset", {"154": "additional work offset P"}, does="extended", like="G54.1"),
         *rows(
             "work offset",
+            # G112 and G113 are the polar interpolation here.
             {str(n): f"work offset {n - 103}" for n in range(110, 130) if n not in (112, 113)},
         ),
         *CYCLES,
@@ -118,6 +119,8 @@ DIALECT = Dialect(
         *rows("", {"266": "rapid of the axes at a rate"}),
     ),
     m_codes={
+        # What a lathe means otherwise (M21 to M24: tailstock and chamfer) stands behind these and
+        # replaces them.
         **M_CODES,
         10: "chuck clamps",
         11: "chuck unclamps",

@@ -22,6 +22,8 @@ DIALECT = Dialect(
     name="heidenhain",
     title="Heidenhain TNC, Klartext",
     codes=(
+        # Codes here are what klartext.py makes of statements: G0 G1 of L, G53 of M91, G247 of the
+        # preset, G200 of a cycle that is defined, G268 of PLANE.
         *MOTION[:2],
         *rows("motion", {"2": "arc, clockwise", "3": "arc, counter-clockwise"}, refuses=_ISO_ARC),
         *PLANE,
@@ -58,6 +60,7 @@ DIALECT = Dialect(
         r"\bCYCL[ \t]+(?:DEF|CALL)\b",
         r"^[ \t]*(?:\d+[ \t]+)?BLK[ \t]+FORM\b",
     ),
+    # What DIN/ISO has and Klartext has not: G codes, N numbers, * at the end.
     excludes=(r"(?<![A-Z0-9_])G[ \t]*\d", r"^[ \t]*N[ \t]*\d", r"\*[ \t]*$"),
     remarks=(r"\bHEIDENHAIN\b", r"\bI?TNC ?\d{3}\b"),
 )

@@ -161,6 +161,7 @@ DIALECT = Dialect(
     arc_centre="pole",
     length_letter="T",
     block_end="*",
+    # N99999999 %NAME is the last block of a program, D00 to D09 are its formulas.
     signs=(
         r"^[ \t]*%[ \t]*[\w$.+-]+[ \t]+G7[01][ \t]*\*",
         r"[\dA-Z][ \t]*\*[ \t]*$",

@@ -70,10 +70,13 @@ DIALECT = Dialect(
     grammar=Grammar(
         checksums=True,
         ignores=(r"^[ \t]*@[^;\n]*", MODES, _QUIET, _NO_OFFSET),
+        # 1 to 3: the sentences of `macro_refuses`; 0 passes, and no axis has a known place behind
+        # it.
         macros=(
             (HEAD + "RESTORE_GCODE_STATE" + _END, 1),
             (HEAD + "(?:SET_GCODE_OFFSET|SET_KINEMATIC_POSITION)" + _END, 2),
             (HEAD + "(?:SET_SKEW|SKEW_PROFILE)" + _END, 3),
+            # any other name, which is a macro of printer.cfg
             (HEAD + r"(?![GMTN][ \t]*-?\d)[A-Z_][A-Z_][^;\n]*", 0),
             (HEAD + r"M[ \t]*0*(?:0|1|125|600|601|602|603|701|702)(?![0-9.])[^;\n]*", 0),
             (HEAD + r"T[ \t]*-?\d[^;\n]*", 0),
@@ -90,6 +93,8 @@ DIALECT = Dialect(
     ),
     carried=("E",),
     carried_codes=(82, 83),
+    # E is incremental under G91 whatever M82 says, unlike Marlin's, where the last of the two
+    # holds.
     relative_with_distance=True,
     ends=(),
     modal_motion=False,

@@ -96,6 +96,7 @@ DIALECT = Dialect(
     arc_tolerance_most_mm=2 * 2**0.5,
     arc_tolerance_inch=2.54,  # CENTER_ARC_RADIUS_TOLERANCE_INCH, 2 * 0.001 * sqrt(2) inches
     radius_tolerance_mm=0.00127,  # RADIUS_TOLERANCE_MM
+    # G99 holds before G98 or G99 is named (drilling_linuxcnc.py, measured on 2.9).
     returns=990,
     local_is_preset=True,
     change_returns="Z",

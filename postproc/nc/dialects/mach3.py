@@ -15,6 +15,7 @@ DIALECT = Dialect(
     name="mach3",
     title="Mach3 and Mach4",
     codes=(
+        # Its G59 takes a P for further fixtures, so it has a row of its own.
         *(code for code in shared.COMMON if code.word != "G59"),
         *shared.UNITS,
         *shared.FEED_MODE,

@@ -193,12 +193,12 @@ TEXT = HEAD + r"(?:(?![GMTN][ \t]*-?\d)[A-Z][ \t]*[A-Z_]|P[ \t]*\d)[^;\n]*"
 # Words without a command: passed over, unless the firmware was built with GCODE_MOTION_MODES, which
 # makes them a motion.
 BARE_WORDS = HEAD + r"[XYZEF][ \t]*[-+.]?\d[^;\n]*"
-# What stands behind G90 and its kin means nothing to them: G90 E0.
 # A remark behind //, where the firmware reads on and finds no word with a number: of G0 and G1 it
 # takes no other.
 REMARK = (
     r"^([ \t]*(?:N\d+[ \t]*)?G0*[01](?![\d.])[^\n;/(]*)//(?:(?![A-Z][ \t]*[-+.\d])[^\n;*])*(?=$|;)"
 )
+# What stands behind G90 and its kin means nothing to them: G90 E0.
 MODES = (
     r"^[ \t]*(?:N[ \t]*\d+[ \t]*)?(G[ \t]*0*(?:1[789]|2[01]|9[01]))(?![0-9.]|[^;\n]*[GMT]["
     r" \t]*\d)[^;\n]*"

@@ -19,6 +19,7 @@ _ACROSS = (
     "the length of a tool that does not lie along Z is not followed: program with G56, and the tool"
     " along Z"
 )
+# X9999. (400. in inches) stands for as far as the travel reaches.
 _FAR = r"(?:[XYZ][ \t]*(?:9999|400)\.?0*[ \t]*)+\r?$"
 
 DIALECT = Dialect(
@@ -138,6 +139,7 @@ DIALECT = Dialect(
             (_HEAD + r"(?:RTI|DEF|NCYL|MSG|NOEX|GET|PUT|READ|WRITE|COPY|COPYE)\b[^\n]*", 1),
             (_HEAD + r"(?:CALL|MODIN|MODOUT|GOTO|IF|RTS)\b[^\n]*", 3),
             (_HEAD + r"V(?!C?[0-9])[A-Z]+[0-9]*[ \t]*(?:\[[^\]\n]*\][ \t]*)?=[^\n]*", 2),
+            # an equals sign outside of comments: a value that may stand for a place
             (r"^(?:[^\n(]|\([^)\n]*\))*?=[^\n]*", 4),
             (r"^([ \t]*(?:N[ \t]*\w+[ \t]+)?)(?:G[ \t]*0*(?:0|90)[ \t]+)*" + _FAR, 0),
         ),

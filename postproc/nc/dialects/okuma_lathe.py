@@ -31,6 +31,8 @@ _NAMED = f"its shape stands under a name: {codes.EXPAND}"
 _VALUE = "its value may stand for a place: --expand writes its number"
 _DATA = "it sets or reads data of the control: set them before the program, and take the block out"
 _BY_C = "the control makes X and C of a line on the face: program in X and Y, under G137"
+# Codes whose L and A are other words than an arc's radius and a line's angle: threads, grooves,
+# corners, X and C on the face, holes.
 _NO_L = r"(?![^\n]*G[ \t]*0*(?:3[1-5]|7[1-8]|10[23]|18[0-9]|190)(?![0-9]))"
 
 DIALECT = Dialect(

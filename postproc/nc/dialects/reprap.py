@@ -55,6 +55,7 @@ DIALECT = Dialect(
         **{
             n: meaning
             for n, meaning in _M.items()
+            # Marlin's that are not taken over; M121 and M226 are other things here (below).
             if n not in (10, 226, 11, 12, 16, 43, 100, 121, 413, 414, 430, 851, 862)
         },
         2: "end of program",

@@ -267,6 +267,8 @@ DIALECT = Dialect(
     grammar=Grammar(
         parentheses=False,
         keywords=_KEYWORDS,
+        # R is a variable, never a radius: what shapes an arc or a corner is handed on as R, ""
+        # moves nothing.
         spellings=(
             ("CR", "R"),
             ("TURN", "P"),
@@ -291,6 +293,8 @@ DIALECT = Dialect(
                 r"\bFGROUP[ \t]*\([ \t]*(?:\)|(?=[^()\n]*\bX\b)(?=[^()\n]*\bY\b)"
                 r"(?=[^()\n]*\bZ\b)[A-Z0-9, \t]*\))"
             ),
+            # The name stays, in the group, and counts as the code; its arguments move nothing by
+            # themselves.
             r"\b(CYCLE832|SETMS|TRAORI|TRANSMIT|TRACYL|TRAANG)[ \t]*\([^()\n]*\)",
             r"\b("
             + "|".join(_CYCLES.split()[1:])
@@ -307,6 +311,8 @@ DIALECT = Dialect(
     ),
     language="siemens",
     plane_frame="zero",
+    # G1 holds before a program names a motion, and TURN= counts the circles beyond the arc
+    # (first_turn).
     motion=10,
     increments_travel_shifts=True,
     expand_decimals=2,
