@@ -40,8 +40,8 @@ DIALECT = replace(
     ),
     # G32 here, which counts as the G33 of the other systems (`like`).
     threads_chained=(330,),
-    # G50 as the speed limit, G90 G92 G94 as cycles and G99 as the feed per turn tell it from systems
-    # B and C.
+    # G50 as the speed limit, G90 G92 G94 as cycles and G99 as the feed per turn tell it from the
+    # systems B and C.
     signs=(
         *MACRO_SIGNS,
         DRAWS,
