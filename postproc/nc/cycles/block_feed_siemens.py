@@ -35,6 +35,9 @@ class BlockFeed(Before):
         code = line.text.partition(b";")[0]
         if self.scene.passes(line.text) or not code.strip():
             return [line]
+        #  N1 G1 X10 F200     N1 G1 X10 F200
+        #  N2 X20 FB=50       N2 X20 F50
+        #  N3 X30             F200, and N3 X30: the feed that held before is due
         own = FOR_ONE_BLOCK.search(code)
         feed = FEED.search(code)
         before: list[Line] = []

@@ -64,6 +64,8 @@ class FanucCorners(Corners):
 
     def _read(self, line: Line) -> Block:
         """The block without its corner, which is kept, and with both ends of its line."""
+        # The comma of ,A says nothing where A is an angle; ,C and ,R go out of the text, since C
+        # and R without a comma may be an axis and a radius.
         text = without_comma(line.text) if "A" in self.letters else line.text
         text, found = split(text)
         block = Block.of(text, self.scene.dialect.grammar)
@@ -116,6 +118,8 @@ class FanucCorners(Corners):
 
     def _corner_word(self, letter: str, value: float, raw: str) -> Word:
         """The word of a corner, its size as the control counts it."""
+        # The sign of I and K is kept beside their letter (`_drawn`): C and R go by their size
+        # alone.
         size = self.scene.length(Word(letter, value, raw, 0, 0), "Z")
         return Word(f",{letter}", abs(size) if self.letters else size, raw, 0, 0)
 

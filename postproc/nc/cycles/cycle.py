@@ -9,6 +9,7 @@ from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
 
+# -1 is a program that has named none yet (Scene.code).
 UNDEFINED = -2
 
 

@@ -42,10 +42,12 @@ class SiemensDirections(Directions):
         text = line.text
         if b"=" in text and VECTOR.search(text):
             return True
+        # TRAORI, ORIWKS and their kin all have an R; the expression is asked of few lines.
         return b"R" in text.upper() and bool(WORDS.search(text))
 
     def written(self, block: Block) -> list[bytes]:
         """The block with rotary words in the place of a vector. Raises ProgramError."""
+        # Modes hold from their block on, with a vector beside them or not.
         for code in block.codes:
             if self.scene.group_of(code) == "transformation":
                 self.on = code == ON

@@ -36,6 +36,8 @@ class FrameControl:
         """Whatever a block may change."""
         return self, self.frames
 
+    # A tap is turned twice: as the control shall read it, and as the tracker hears it. The first
+    # time must leave no trace in the places and residues that are kept here.
     def snapshot(self) -> Any:
         """What `restore` needs."""
         return [

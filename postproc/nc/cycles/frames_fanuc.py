@@ -109,6 +109,7 @@ class FanucFrames(FrameControl):
     def _taken(self, block: Block) -> bool:
         """Whether another code takes the axis words, or they are machine coordinates."""
         table = self.scene.table
+        # X of G4 is a time, and G53 speaks of the machine: neither is turned.
         return any(c in (40, 530) or (c in table and table[c].takes) for c in block.codes)
 
     # Whole: the codes that the manual forbids, a condition to each.
@@ -151,6 +152,7 @@ class FanucFrames(FrameControl):
     def _set(self, block: Block, code: int) -> Block:
         """Let a code hold; the block without what belongs to it."""
         form = self.forms.get(code, Form(""))
+        # Of two of these codes in one block each would take the other's words for strange ones.
         if code in self.forms and sum(c in self.forms for c in block.codes) == 1:
             form.check(self.scene, block, code)
         letters = "".join(form.takes)
@@ -323,11 +325,13 @@ class FanucFrames(FrameControl):
             raise self.scene.fault(
                 "G51.1 without an axis", "name the axis and where the mirror stands: G51.1 X0"
             )
+        # Axes add up: G51.1 X0 behind G51.1 Y0 mirrors both.
         self.mirror = {**self.mirror, **named}
         self._hold()
 
     def _no_mirror(self, block: Block) -> None:
         named = _axes(block)
+        # G50.1 X0 ends the mirror of X, G50.1 without an axis all of them.
         self.mirror = {x: v for x, v in self.mirror.items() if named and x not in named}
         self._hold()
 

@@ -86,6 +86,8 @@ class Grooving(Cycle):
             return Outcome(m.finish())
         half = {"X": scene.double("X"), "Z": 1.0}
         start = {x: scene.at(x) for x in "XZ"}
+        # All lengths as X's words have them, diameters on most lathes; P, Q and R are radii, hence
+        # `half`.
         to = start | named_end(scene, block, start)
         by = {x: self._step(scene, block, x) * half[x] for x in "XZ"}
         escape = (RETRACT[scene.inch] if self.escape is None else self.escape) * half[self.deep]
@@ -103,6 +105,7 @@ class Grooving(Cycle):
                 m.move("G0", {over: place})
             for depth in depths:
                 m.move("G1", {deep: depth})
+                # From the bottom the tool goes out all the way, so no chip needs breaking there.
                 if depth != depths[-1]:
                     m.move("G0", {deep: depth + back})
             if k and aside:

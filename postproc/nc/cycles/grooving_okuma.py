@@ -112,6 +112,7 @@ def without_offset(scene: Scene, block: Block) -> bytes | None:
         return None
     tracker = scene.tracker
     other, here = lathe_tool(scene.dialect, int(word.value)), tracker.state.tool
+    # The target is reached with the other offset: the same place if both offsets lie alike.
     for axis in "XZ":
         places = [tracker.offset(x, axis) if x else 0.0 for x in (here, other)]
         if here != other and (None in places or places[0] != places[1]):

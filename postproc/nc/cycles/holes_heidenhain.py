@@ -62,6 +62,8 @@ class IsoHoles(Before):
         if not CALLED.search(code):
             return [line]
         self._may_be_called()
+        #  N40 G00 X+10 Y+20 M99 *    without its call the block moves to the place, then the hole
+        #  N50 G79 *                  nothing is left: the hole alone, where the tool stands
         bare = CALLED.sub(b"", body)
         number = NUMBER.match(bare)
         assert number is not None
@@ -89,6 +91,8 @@ class IsoHoles(Before):
     def _may_be_called(self) -> None:
         scene = self.scene
         scene.forget()
+        # L1,2 runs the blocks behind G98 L1 twice more: which cycle holds there the text does not
+        # say.
         if any(LABEL.search(text.partition(b";")[0]) for text in scene.lines()):
             raise scene.fault(
                 "a cycle in a program that calls labels", "write the program out without L first"

@@ -120,6 +120,9 @@ class KlartextTurns(Before):
         own = (MIRROR, ROTATION, SCALE, STRETCH)
         if found is None or number not in own or found[2] in (None, b"0"):
             return None
+        #  CYCL DEF 10.1 ROT+30     the map turns; what stays is ROT+0
+        #  CYCL DEF 8.1 X           the map mirrors; what stays is 8.1, which mirrors nothing
+        #  CYCL DEF 11.1 SCL 1.2    the map scales; what stays is SCL 1
         rest = code[found.end() :].upper()
         if number in (SCALE, STRETCH):
             self._scaled(number, rest)
@@ -172,6 +175,8 @@ class KlartextTurns(Before):
         turned, mirrored = bool(self.angle % 360), self.mirrored
         if mirrored and turned:
             raise self.scene.fault("a mirror and a turn at once (cycles 8 and 10)", END)
+        # Mirror, turn and factor about one datum: a factor alike in the plane can be exchanged with
+        # both.
         new = rotation("X", "Y", self.angle % 360) if turned else Affine()
         new = scaling(dict.fromkeys(mirrored, -1.0)) if mirrored else new
         if self.factor != 1.0:
@@ -188,6 +193,7 @@ class KlartextTurns(Before):
         if self.paths.corners.at_work:
             raise self.paths.corners.beside()
         self.paths.heading.lose()
+        # The pole was set in the coordinates that end here.
         self.paths.pole = {}
         self.map, self.exact = new, ({}, {})
         # A mirror or a factor leaves X in X; a turn mixes X and Y, and the next line must name
@@ -249,6 +255,8 @@ class KlartextTurns(Before):
         here |= {x: v for x in mixed if (v := to[x]) is not None}
         out = dict(zip(AXES, self.map(point(to)), strict=True))
         self.loose = False
+        # The place as it was meant, and as it is written: while the tracker says the latter, an I
+        # word counts from the former.
         self.exact = dict(here), {x: scene.rounded(x, out[x]) for x in here}
         first = words[0]
         # From behind: places in front of a word that goes out stay what they are.

@@ -84,6 +84,7 @@ class BarTurning(Roughing):
 
     def levels(self) -> Iterator[float]:
         """Down by the depth in force, which changes, with the feed, beyond a place."""
+        # The infeed depth changes on the way down: D up to XA, DA from the first cut beyond it on.
         target, level = self.rest[0].start[self.deep], self.start[self.deep]
         sense = 1 if target > level else -1
         depth, waiting = self.depth, list(self.changes)
@@ -205,11 +206,13 @@ class Lap:
         """The whole shape, with what stands in its blocks."""
         said: set[int] = set()
         for e in shape.elements:
+            # Once for a block, though a corner or an angle has made several elements of it.
             beside = shape.beside[e.row] if e.row not in said else b""
             said.add(e.row)
             if beside:
                 pen.m.line(beside)
             pen.centred(e.moved(by), "G0" if e.code == 0 else "G1")
+        # G40 in a block that moves nothing holds all the same.
         for row, beside in enumerate(shape.beside):
             if beside and row not in said:
                 pen.m.line(beside)

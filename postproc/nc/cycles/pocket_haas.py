@@ -100,6 +100,7 @@ class Pocket(Cycle):
         step: float,
     ) -> tuple[list[Piece], list[Piece]]:
         """The pass around, and what clears the rest."""
+        # An area above 0 runs counter-clockwise: its inside is on the left, where G41 has the tool.
         if pocket_path.area(shape) * side <= 0:
             raise scene.fault(
                 "the tool of G150 would run outside of its shape",

@@ -55,6 +55,7 @@ class Polar:
         if radius:
             self.radius = None if radius.value is None else scene.length(radius, first)
         if angle:
+            # In G91 the angle goes on from the last one, in G90 it counts from the first axis.
             before = self.angle if incremental else 0.0
             self.angle = None if before is None else before + scene.degrees(angle)
         if self.radius is None or self.angle is None:
@@ -63,6 +64,7 @@ class Polar:
                 " in G90",
                 "write both: what holds before is not defined",
             )
+        # Quarter turns without a rounding, so that a hole at 90 degrees has X0 and not X0.0000001.
         cosine, sine = exact_turn(self.angle)
         to = (self.pole[0] + self.radius * cosine, self.pole[1] + self.radius * sine)
         old = self._stands(first, second) if incremental else (0.0, 0.0)

@@ -66,12 +66,14 @@ class Polynomials(Before):
         """Lines that can be followed. Raises ProgramError."""
         code, semicolon, remark = line.text.partition(b";")
         self.rigid = False
+        # All other lines go through the corners, which hold some back until the next one is known.
         if not self.on and not WORD.search(code) and not PO.search(code):
             self.rigid = True
             return self.corners.take(line)
         scene = self.scene
         if scene.passes(line.text):
             return [line]
+        # An error points at the whole line until its words are known.
         scene.block = Block(line.text, (), True, False)
         if self.corners.held is not None or self.corners.modal:
             raise scene.fault("a polynomial beside corners (RND, CHF)", "write the corner out")
@@ -176,6 +178,7 @@ class Polynomials(Before):
         scene, here = self.scene, [self.scene.at(x) for x in axes]
         for to in points.tolist():
             moves = zip(axes, to, here, strict=True)
+            # Only axes that move by a written digit: a block without a word would be G1 alone.
             words = [
                 scene.text(x, v)
                 for x, v, old in moves

@@ -44,6 +44,8 @@ class LinuxcncRotation(FrameControl):
         shifts = [c for c in taken if c not in REFERENCES]
         if not self.frames.map.identity:
             self._check(block, references, bool(shifts) or not RESTORES.isdisjoint(block.codes))
+        # They speak of the machine, or change the zero itself: their words are no places in turned
+        # coordinates.
         if references or shifts or 530 in block.codes:
             self.frames.forget()
             return [block.text]

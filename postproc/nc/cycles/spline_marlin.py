@@ -74,6 +74,7 @@ class MarlinSpline(Cycle):
         value = block.get("E")
         if value is None:
             return None
+        # M83, or G91: E words are distances.
         if scene.tracker.code("carried") == 910:
             return 0.0, value, True
         begin = scene.at("E")

@@ -127,7 +127,9 @@ class Splines(Cycle):
         placed = block.get("X") is not None
         if not self.poles:
             self.order = LEAST_ORDER
+            # The start is a pole too. P without X and Y in the first block is its weight.
             self.poles = [(*_start(scene), 1.0 if placed or weight is None else weight)]
+        # 2.9 takes L below 4 for 3 (docstring above), so 3 or less changes nothing.
         if order is not None and order > LEAST_ORDER:
             self.order = int(order)
         if placed and weight is not None:

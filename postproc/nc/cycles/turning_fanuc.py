@@ -123,6 +123,8 @@ class Repetitive(Cycle):
             self._hold(scene, block, role)
             return Outcome(Moves(scene, own).finish())
         begin, end = (self._number(scene, block, code, x) for x in "PQ")
+        # A roughing means the P behind its own line; G70 may stand anywhere behind the shape, and
+        # means the one that a roughing with these numbers found.
         after = 0 if role == "finish" else scene.source
         profile = find(scene, scene.lines(), begin, end, after, self.shapes.get((begin, end), 0))
         self.shapes[begin, end] = profile.first
@@ -151,7 +153,9 @@ class Repetitive(Cycle):
             self._repeat(block, way, nose)
         else:
             self._rough(block, role, profile, way, nose)
+        # G41 or G42 rests during the cuts, and holds again behind the way back to the start point.
         texts = [*m.finish(), *([before.encode().strip()] if before else [])]
+        # The shape's blocks are the cycle's data: behind a roughing the control goes on behind Q.
         return Outcome(texts, skip=(profile.first, profile.last), then=UNDEFINED)
 
     def _moving(self, scene: Scene, code: int, profile: Profile) -> Profile:
@@ -237,6 +241,7 @@ class Repetitive(Cycle):
         scene, deep = way.pen.scene, 1 if role == "rough" else 0
         word = block.word("D")
         letter = "U" if role == "rough" else "W"
+        # D of one block counts least increments, U or W of a block before is a length.
         depth = scene.counted(word, "X") if word else self.held.get(role, {}).get(letter, 0.0)
         escape = self.held.get(role, {}).get("R", RETRACT[scene.inch])
         if depth < 0:
@@ -253,6 +258,8 @@ class Repetitive(Cycle):
             raise scene.fault(
                 "the shape has one block", "it needs one to its first point, and the shape"
             )
+        # The G40 of such a shape stands in its last block, a rapid back: the rough cuts have no use
+        # for it.
         if self.haas and draws_out(rest, 1 - deep):
             rest.pop()
         both = self._both(profile)
@@ -289,6 +296,9 @@ class Repetitive(Cycle):
                 "write R in the block before: a whole number",
             )
         for k in range(int(times)):
+            #   k = 0       the shape, moved by U and W of the first block and by the allowance
+            #   ...         evenly nearer
+            #   k = R - 1   the shape, moved by the allowance alone
             share = (times - 1 - k) / (times - 1) if times > 1 else 0.0
             by = (way.allowance[0] + share * (z or 0.0), way.allowance[1] + share * (x or 0.0))
             way.pen.to("G0", (way.start[0] + by[0], way.start[1] + by[1]))
@@ -308,6 +318,8 @@ class Repetitive(Cycle):
             texts += self._drawn(scene, profile, self._moving(scene, 700, profile))
         else:
             texts += [b.text for b in profile.texts]
+        # In one rapid; G41 and G42 before the cycle rest on the way (G40) and are named again
+        # behind it.
         back = [b"G0", *[b"G40"] * bool(before), *(scene.text(x, v) for x, v in start.items())]
         codes = [c for b in profile.texts for c in b.codes]
         if scene.incremental or 910 in codes:
@@ -331,6 +343,8 @@ class Repetitive(Cycle):
         elements = shape(scene, moving, here, scene.code("motion"))
         texts = []
         for row, block in enumerate(profile.texts):
+            # A corner belongs to the block before it (its row), so F and G41 of a block stay with
+            # its own ends.
             own = [e for e in elements if e.row == row]
             letters = "XZUWCRAIK" if own else ""
             out = own_words(block, letters, {0, 10, CLOCKWISE, COUNTER})

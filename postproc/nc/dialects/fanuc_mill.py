@@ -68,6 +68,7 @@ DIALECT = Dialect(
             {"35": "circular thread, clockwise", "36": "circular thread, counter-clockwise"},
             refuses=codes.CURVE,
         ),
+        # What --expand writes out is refused here all the same: the sentence names the option.
         *rows("motion", {"6.2": "NURBS"}, refuses=codes.SPLINE),
         *rows(
             "motion",

@@ -75,6 +75,7 @@ DIALECT = Dialect(
             {
                 "153": "five-axis cycle",
                 "155": "five-axis cycle",
+                # G161 to G169, of which G167 changes a setting.
                 **{str(n): "five-axis cycle" for n in range(161, 170) if n != 167},
             },
             refuses=codes.TOOL_POINT,

@@ -35,6 +35,8 @@ DIALECT = Dialect(
         *NO_MOTION,
         *SPINDLE,
         *rows("feed mode", {"94": "feed per minute", "95": "feed per turn"}),
+        # G15 H5 counts as G54.1 P5 everywhere behind the text: `extended_name` gives it its own
+        # name back.
         *rows("work offset", {"15": "work offset H"}, does="extended", like="G54.1"),
         *rows("tool length", {"56": "tool length"}, does="length"),
         *rows("tool length", {"53": "no tool length"}, does="no length"),

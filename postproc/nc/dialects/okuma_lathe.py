@@ -200,6 +200,7 @@ DIALECT = Dialect(
         ),
     ),
     polar="Y",
+    # G136 to G138 say in one whether X is a diameter and whether X and Y are the face.
     polar_group="diameter",
     contour=100,
     macro_refuses=(_ON, codes.CALL, _VALUE, _SHIFTS, _NAMED, _RADIUS, _ANGLE, _DATA),
@@ -222,5 +223,6 @@ DIALECT = Dialect(
         r"^N[A-Z]\w*[ \t]+G8[1-3]\b",
     ),
     remarks=(r"\bOKUMA\b", r"\bOSP\b"),
+    # Okuma's mills, and lathes of Fanuc's kin.
     excludes=(r"G15[ \t]*H\d", r"G56[ \t]*H\d", r"G28[ \t]*[UW]"),
 )

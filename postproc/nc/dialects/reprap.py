@@ -17,6 +17,7 @@ from postproc.nc.dialects.marlin import _M, _SHIFTS, HEAD, NAMED, PRINTS, SETS, 
 from postproc.nc.grammar import Grammar
 from postproc.nc.rows import rows
 
+# Its own statements move nothing by themselves; what they decide about is indented (conditions).
 META = r"^[ \t]*(?:echo|var|global|set|param|skip|abort|if|elif|else|while|break|continue)\b[^\n]*"
 
 FILES = HEAD + r"M[ \t]*0*(?:98|125|226|600|701|702)(?![0-9.])[^;\n]*"  # each runs a macro file
