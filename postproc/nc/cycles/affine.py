@@ -46,6 +46,7 @@ class Affine:
 
     @property
     def can_be_undone(self) -> bool:
+        """Whether a place has one programmed coordinate."""
         # a factor of 1e-6 to 1e6 along each of three axes
         return 1e-18 < abs(_det(*self.matrix)) < 1e18
 

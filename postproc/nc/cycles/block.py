@@ -136,6 +136,7 @@ class Block:
         return next((w.value for w in self.words if w.letter == letter), None)
 
     def word(self, letter: str) -> Word | None:
+        """The first word with this letter."""
         return next((w for w in self.words if w.letter == letter), None)
 
     @property
@@ -144,6 +145,7 @@ class Block:
         return [number for w in self.words if (number := number_of(w)) is not None]
 
     def m_codes(self) -> list[int]:
+        """The numbers of all M words, in the order of the block."""
         return [
             int(w.value)
             for w in self.words

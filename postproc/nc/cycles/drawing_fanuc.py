@@ -55,7 +55,7 @@ def without_comma(text: bytes) -> bytes:
 
 
 def corner_of(scene: Scene, block: Block, found: re.Match[bytes] | None) -> Corner | None:
-    """The corner that a straight block names, with a comma or without."""
+    """The corner that a straight block names, with a comma or without. Raises ProgramError."""
     words = [w for w in block.words if w.letter in bare(scene, "CRIK")]
     if found is not None:
         raw = found[2].decode()
@@ -73,6 +73,7 @@ def corner_of(scene: Scene, block: Block, found: re.Match[bytes] | None) -> Corn
 
 
 def elsewhere(scene: Scene, letter: str) -> ProgramError:
+    """What is said of a chamfer by I or K whose next line is none across."""
     return scene.fault(
         f"{letter} makes a chamfer to a line across it, the way of its sign, and the next line goes"
         " elsewhere",
@@ -101,7 +102,8 @@ def bare(scene: Scene, letters: str) -> str:
 
 
 def on_line(scene: Scene, here: Point, angle: float, z: float | None, x: float | None) -> Point:
-    """The end of a line at `angle`, one of whose coordinates (z, x radius) is missing."""
+    """The end of a line at `angle`, degrees, one of whose coordinates (z, x radius) is missing.
+    Raises ProgramError where the line does not lead there."""
     #   X ^    . end       The angle counts from the plane's first axis, Z, towards its second, X, a
     #     |  .' A          radius here: A45 is the 45 degrees of the drawing.
     #     +-'-------> Z
@@ -117,7 +119,8 @@ def on_line(scene: Scene, here: Point, angle: float, z: float | None, x: float |
 
 
 def meeting(scene: Scene, here: Point, first: float, end: Point, second: float) -> Point:
-    """Where a line at an angle meets the next one, which ends at `end`."""
+    """Where a line from `here` at an angle (`first`, degrees) meets the next one (`second`), which
+    ends at `end`; (z, x radius). Raises ProgramError where they are parallel."""
     #   here --first--> o --second--> end    here + far a = end - t b, crossed with b: far = (way x
     #                                        b) / (a x b). Below 1e-6 both are parallel for
     #                                        practice: the point would be a million times farther
@@ -133,7 +136,8 @@ def meeting(scene: Scene, here: Point, first: float, end: Point, second: float) 
 
 
 def rounded(scene: Scene, elements: list[Any], corners: dict[int, Corner]) -> list[Any]:
-    """The elements with the corners between them. `corners`: by number of the element before."""
+    """The elements with the corners between them. `corners`: by number of the element before.
+    Raises ProgramError for one that does not fit."""
     result, start = [], None
     for k, e in enumerate(elements):
         if start is not None:

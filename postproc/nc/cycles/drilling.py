@@ -51,10 +51,11 @@ class Hole:
 
     @property
     def down(self) -> int:
+        """The sign of the way in: -1 towards smaller coordinates."""
         return -1 if self.bottom <= self.r else 1
 
     def depths(self, scene: Scene) -> list[float]:
-        """Where each peck ends, but for the last one."""
+        """Where each peck ends, but for the last one. Raises ProgramError for too many."""
         depths: list[float] = []
         peck, depth = self.first, self.r
         while peck > 0:
@@ -287,7 +288,8 @@ class Drilling(Cycle):
 
     # Whole: the motions of a hole in their order, with what stands between them.
     def lines(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
-        """G0 to the place and to R level, and the cycle's own motions, as often as L or K says."""
+        """G0 to the place and to R level, and the cycle's own motions, as often as L or K says.
+        Raises ProgramError."""
         hole = job.hole
         if job.times * len(hole.depths(scene)) > MOST_PECKS * 10:
             raise scene.fault(
@@ -326,7 +328,8 @@ class Drilling(Cycle):
         return m.finish()
 
     def times(self, scene: Scene, block: Block, letters: str, least: int) -> int:
-        """How often the hole is made."""
+        """How often the hole is made: `least` to MOST_HOLES, 1 where no word says it. Raises
+        ProgramError."""
         found = [w for w in block.words if w.letter in letters]
         if len(found) > 1:
             raise scene.fault(

@@ -76,6 +76,7 @@ class FanucDrilling(Drilling):
         return Form(KIND, takes, named(WORDS, "".join(x for x in used if not used[x])), axes=True)
 
     def axis_of(self, scene: Scene, code: int) -> str:
+        """The axis of the hole."""
         return scene.plane[2]
 
     def r_level(self, scene: Scene, word: Word, axis: str) -> float:
@@ -162,6 +163,7 @@ class FanucDrilling(Drilling):
         )
 
     def drops(self, scene: Scene, axis: str) -> str:
+        """Further letters that a block of a hole loses: increments along its axis."""
         return ""
 
     def is_place(self, scene: Scene, word: Word, axis: str) -> bool:
@@ -210,6 +212,7 @@ class FanucDrilling(Drilling):
             self.held["R"] = self.start(scene, axis)
 
     def peck(self, scene: Scene, word: Word, axis: str) -> float:
+        """Q as a length without a sign."""
         return abs(scene.length(word, axis))
 
     def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:

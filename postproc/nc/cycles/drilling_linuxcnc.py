@@ -133,7 +133,8 @@ class LinuxcncDrilling(Drilling):
                 self.held[word.letter] = word.value
 
     def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
-        """The control itself counts from where the axis stands when its own first cycle begins."""
+        """The control itself counts from where the axis stands when its own first cycle begins.
+        Raises ProgramError where that lies above the initial level."""
         axis = job.hole.axis
         initial = (self.initial or 0.0) * scene.double(axis)
         counts = scene.incremental or scene.code("return") == INITIAL_LEVEL

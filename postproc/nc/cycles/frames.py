@@ -70,7 +70,8 @@ class Frames:
         self.at, self.residue = {}, {}
 
     def set_map(self, new: Affine) -> None:
-        """Another map holds from here on; the machine stands where it stands."""
+        """Another map holds from here on; the machine stands where it stands. Raises
+        ProgramError."""
         if self.scene.compensated:
             raise self.scene.fault(
                 "the coordinates change with cutter radius compensation on", "end it before: G40"

@@ -57,6 +57,7 @@ class Grooving(Cycle):
 
     @property
     def over(self) -> str:
+        """The axis along which the cuts stand beside each other."""
         return "X" if self.deep == "Z" else "Z"
 
     def forms(self, code: int) -> tuple[Form, ...]:
@@ -175,7 +176,8 @@ def named_end(scene: Scene, block: Block, start: dict[str, float]) -> dict[str, 
 
 
 def steps(scene: Scene, start: float, end: float, by: float) -> list[float]:
-    """Places from `start` to `end`, `by` apart but for the last."""
+    """Places from `start` to `end`, `by` apart but for the last, which is `end`. Raises
+    ProgramError where they are too many."""
     if by <= 0 or start == end:
         return [start, end] if start != end else [start]
     count = int(abs(end - start) / by + 1e-9)

@@ -192,7 +192,7 @@ class Holes:
         return float(raw)
 
     def feed(self, number: int) -> bytes:
-        """The feed in a datum, as words."""
+        """The feed in a datum, as words (" F250"). Raises ProgramError where it has none."""
         raw = self.data.get(number)
         if raw is None:
             raise self.scene.fault(f"cycle {self.cycle} without Q{number}, its feed", HELP)

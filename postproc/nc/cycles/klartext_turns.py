@@ -61,6 +61,7 @@ class KlartextTurns(Before):
         scene.frame = self.known
 
     def finish(self) -> list[Line]:
+        """What the paths still hold, in the coordinates beneath."""
         return [line._replace(text=self._mapped(line.text, {})) for line in self.paths.finish()]
 
     def known(self, axis: str) -> float | None:

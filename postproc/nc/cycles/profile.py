@@ -43,6 +43,8 @@ class Element:
     row: int = -1
 
     def moved(self, by: tuple[float, float]) -> Element:
+        """The same, shifted by (z, x radius); its centre words are distances and stay."""
+
         def shift(p: Point) -> Point:
             return p[0] + by[0], p[1] + by[1]
 

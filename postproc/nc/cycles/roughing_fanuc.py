@@ -43,9 +43,11 @@ class Pen:
 
     @property
     def half(self) -> float:
+        """Words along X for a radius: 2 for diameters, else 1."""
         return self.scene.double("X")
 
     def to(self, code: str, place: Point) -> None:
+        """A motion of both axes, (z, x radius)."""
         self.m.move(code, {"X": place[1] * self.half, "Z": place[0]})
 
     def along(self, code: str, axis: int, value: float) -> None:
@@ -108,6 +110,7 @@ class Roughing:
 
     @property
     def infeed(self) -> str:
+        """The code of the way in, that of the first block: G0 or G1."""
         return "G0" if self.first.code == 0 else "G1"
 
     @property
@@ -172,7 +175,7 @@ class Roughing:
         return begin
 
     def levels(self) -> Iterator[float]:
-        """The depths of the cuts, one after the other."""
+        """The depths of the cuts, one after the other: z, or x as a radius. Raises ProgramError."""
         target, here = self.rest[0].start[self.deep], self.begin[self.deep]
         sense = 1 if target > here else -1
         passes = int(abs(target - here) / self.depth) + 1

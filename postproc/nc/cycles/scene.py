@@ -114,6 +114,7 @@ class Scene:
         return next((u for u, x in self.dialect.increments.items() if x == axis), "")
 
     def is_diameter(self, axis: str) -> bool:
+        """Whether words of this axis are diameters: by G7, G8, else by the machine."""
         mode = self.code("diameter") if axis == "X" else -1
         return mode == 70 if mode in (70, 80) else axis in self.tracker.setup.diameter
 
@@ -269,6 +270,7 @@ class Scene:
         return self._decimals[letter] + self.extra_decimals
 
     def rounded(self, letter: str, value: float) -> float:
+        """As it would be written."""
         return round(value, self.decimals(letter))
 
     def text(self, letter: str, value: float) -> bytes:
