@@ -165,6 +165,7 @@ FAMILIES: dict[str, Callable[[bool], Family]] = {
 
 def family(dialect: Dialect, synchronised: bool = False) -> Family:
     """The cycles and frames of a dialect; none where they are not written."""
+    # "fanuc-lathe-a" begins with "fanuc" too: the longest beginning is the nearest kin.
     found = max((p for p in FAMILIES if dialect.name.startswith(p)), key=len, default="")
     if not found:
         return Family()

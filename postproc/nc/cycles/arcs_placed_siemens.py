@@ -63,6 +63,8 @@ class PlacedArcs(Before):
 
     def wants(self, line: Line) -> bool:
         """Whether a line must go through here: all lines of a text that has such an arc."""
+        # CT needs the segment before it, so all lines of a text with CT come through here, and no
+        # others.
         if self.watches is None:
             self.watches = any(FOUND.search(text) for text in self.scene.lines())
         return self.watches or bool(FOUND.search(line.text))
@@ -104,6 +106,7 @@ class PlacedArcs(Before):
         here = [scene.known(x) for x in plane]
         if code not in (0, 10, CLOCKWISE, COUNTER) or None in here or scene.diameter_in_g90:
             return None
+        # All but I J K and CR=, which are an arc's own: words of a shape that is not read here.
         if any(w.letter in STRANGE[4:] for w in block.words) or any(
             scene.group_of(c) not in ("motion", "plane", "distance") for c in block.codes
         ):

@@ -113,6 +113,7 @@ class Block:
         for pattern in ignored:
             hidden = pattern.sub(lambda m: _HIDDEN * len(m[0]), hidden)
         words, at, plain = [], 0, True
+        # A comment may stand before the slash, and is hidden by now.
         skip = hidden.lstrip(_BETWEEN).startswith(b"/")
         if skip:
             at = hidden.index(b"/") + 1

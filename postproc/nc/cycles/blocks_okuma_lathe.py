@@ -63,6 +63,9 @@ class LatheBlocks(Before):
         # A line that goes on was joined to the one before (`_whole`) and leaves nothing here.
         if GOES_ON.match(line.text) or self.scene.passes(line.text):
             return [] if GOES_ON.match(line.text) else [line]
+        #  N10 NLAP1 G81 .. G80    a shape: stepped over, its numbers kept (`passed`)
+        #  G85 NLAP1 D4 U.4        its call: what LAP makes of the shape under that name
+        #  NAT01 G2 X50 L10        a name is taken off, L becomes I and K
         text = self._whole(line)
         code = _code(text)
         if self.within or BEGINS.search(code):
@@ -185,6 +188,7 @@ class LatheBlocks(Before):
         changes = []
         for letter in "AB":
             if own + letter in values:
+                # DB left out is DA, and DA left out D.
                 depth = values.get("D" + letter, values.get("DA", values.get("D", 0.0))) / half
                 feed = values.get("F" + letter)
                 changes.append(

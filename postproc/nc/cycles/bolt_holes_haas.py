@@ -59,6 +59,7 @@ class BoltHoles(Before):
             return [block.text]
         self._check(block, code)
         words = self._words(block, code)
+        # The first hole stands in the block itself, so a cycle that is named in it begins there.
         return [block.written(own_words(block, "IJKLXY", (code,)), words[0]), *words[1:]]
 
     def _note(self, block: Block) -> None:

@@ -102,6 +102,7 @@ class CircularPocket(Cycle):
                     f"Q{step:g} takes {name} in more than {MOST_CIRCLES:,} circles to K",
                     "write it above 0",
                 )
+            # The last step is what is left up to K.
             radii.append(min(radii[-1] + step, last))
         tool = self._tool(scene, block, name)
         if radii[0] <= tool:

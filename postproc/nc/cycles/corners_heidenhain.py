@@ -129,6 +129,7 @@ class IsoCorners(Before):
         if feed is not None and not self.feed:
             raise scene.fault(f"the feed behind {name} is not known", "write F before it")
         self.corner = name, size, feed.raw.encode() if feed else b""
+        # The line is held, so the tracker still stands where it begins.
         self.start = scene.at("X"), scene.at("Y")
 
     def _end(self, block: Block, start: Point) -> Point:

@@ -103,6 +103,8 @@ def _within(e: Element, place: Point) -> bool:
         way = math.dist(e.start, place) + math.dist(place, e.end)
         return way - math.dist(e.start, e.end) < TOUCHING
     sign = 1 if e.code == COUNTER else -1
+    # Angles of start, place and end about the arc's centre, counted in its own sense from the
+    # start.
     first, here, last = (
         math.atan2(p[1] - e.centre[1], p[0] - e.centre[0]) for p in (e.start, place, e.end)
     )

@@ -206,6 +206,8 @@ class Corners(Before):
     def _motion(self, block: Block) -> int:
         scene = self.scene
         own = scene.own_codes(block, "motion")
+        # A line that is held is a G1 which the scene has not heard of yet; so are its G90 and G91
+        # below.
         return own[-1] if own else FEED if self.held else scene.code("motion")
 
     def _check(self, block: Block, word: str, moves: bool) -> None:
@@ -277,6 +279,7 @@ class Corners(Before):
             ) * self.scene.double(word.letter)
             text = number(scene.rounded(word.letter, value), scene.decimals(word.letter)).encode()
             written = block.text[word.start : word.stop]
+            # IC( ) and AC( ) stay as the program has them, with another number.
             if word.mode:
                 changed[i] = b"%s=%s(%s)" % (word.letter.encode(), word.mode.encode(), text)
             else:

@@ -62,6 +62,7 @@ def lines_of(piece: np.ndarray, tolerance: float, straight: int) -> np.ndarray:
 
 def uniform(poles: np.ndarray, weights: np.ndarray, order: int) -> Curve:
     """A curve that begins and ends in its first and last pole, with all inner knots 1 apart."""
+    # Of 5 poles and order 3: 0 0 0 1 2 3 3 3, so that the curve begins and ends in a pole.
     inner = len(poles) - order + 1
     knots = np.concatenate([np.zeros(order), np.arange(1, inner), np.full(order, inner)])
     return Curve(poles, weights, knots, order)

@@ -140,6 +140,7 @@ def rounded(scene: Scene, elements: list[Any], corners: dict[int, Corner]) -> li
     Raises ProgramError for one that does not fit."""
     result, start = [], None
     for k, e in enumerate(elements):
+        # The corner before has taken the beginning of this line.
         if start is not None:
             e = replace(e, start=start)
             start = None

@@ -235,6 +235,8 @@ class Drilling(Cycle):
         text = self.passed_on(scene, block, job) if stays else []
         self.stays, self.code = stays, code
         lines = self.lines(scene, block, job)
+        # A tap stays the control's, which goes in step with the spindle; the tracker hears its way
+        # as feeds.
         return Outcome(text, lines) if stays else Outcome(lines)
 
     def _refusal(self, scene: Scene, code: int) -> ProgramError:

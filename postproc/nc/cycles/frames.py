@@ -86,6 +86,9 @@ class Frames:
 
     def take(self, block: Block) -> list[bytes]:
         """A plain block in programmed coordinates, in those of the output."""
+        #  no X Y Z I J K           only G41 G42 G2 G3 change, under a mirror
+        #  an arc, plane tilted     becomes lines, each of which comes here again
+        #  else                     words of axes that are mixed, all of them, and the centre's
         motions, changed = self.scene.own_codes(block, "motion"), self._swapped(block, SIDES)
         self.motion = motions[-1] if motions else self.motion
         words = {w.letter: w for w in block.words if w.letter in AXES}
@@ -107,6 +110,8 @@ class Frames:
         """Axis words: changed ones, those that come in, and behind how many words these stand."""
         new: list[bytes] = []
         place, at = len(block.words), {w.letter: i for i, w in enumerate(block.words)}
+        # Each set of mixed axes once: in a turn about Z the words X and Y are one change, Z is
+        # none.
         for mixed in dict.fromkeys(tuple(self.map.partners(x)) for x in words):
             if self._stays(mixed, words):
                 continue
@@ -169,6 +174,7 @@ class Frames:
         self.loose -= set(mixed)
         self.at.update({x: p[AXES.index(x)] for x in mixed})
         if not scene.incremental:
+            # What this place was rounded by, for a distance that goes on from it.
             self.residue |= {x: q[x] - scene.rounded(x, q[x]) for x in mixed}
             return {x: scene.text(x, q[x]) for x in mixed}
         old = dict(zip(AXES, self.map(point(before)), strict=True))
@@ -279,6 +285,7 @@ class Frames:
             written = scene.text(letter, moved[AXES.index(axis)])
             if letter in centres:
                 changed[block.words.index(centres[letter])] = written
+            # In a turn the centre of I alone has a J as well.
             elif mixed:
                 new.append(written)
         return new

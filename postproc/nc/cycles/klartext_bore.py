@@ -47,6 +47,7 @@ class Tool:
             self.defined[f"T{int(found[1])}"] = float(found[2])
         elif called := TOOL_CALL.match(code):
             if called[1] or called[2]:
+                # A tool by its name has no number: 9999, as klartext.py hands it on.
                 self.name = f"T{int(called[1])}" if called[1] else "T9999"
             delta = DELTA.search(code)
             self.more = float(delta[1]) if delta else 0.0
@@ -64,6 +65,7 @@ class Tool:
                 f"the radius of the tool of cycle {cycle} is not stated",
                 f"say it in mm: --offset {name}=Z0,R5",
             )
+        # --offset is in mm, TOOL DEF and DR in the program's unit.
         return place["R"] / self.scene.unit + self.more
 
     def check_sense(self, cycle: int, way: float) -> None:

@@ -72,6 +72,10 @@ class Holes:
             return []
         if depth > 0 or clear < 0:
             raise self.scene.fault(f"Q201 above 0 or Q200 below in cycle {self.cycle}", HELP)
+        #  Q200  -.  .----.  .-    FMAX to the clearance
+        #  Q203  =|==|====|==|=
+        #         v  ^    v  ^     pecks of Q202 at Q206, out behind each
+        #  Q201   '--'    '--'     then to the second clearance, if it lies higher
         feed = self.feed(206)
         lines = [self._to(top + clear, b" FMAX"), *self._pecked(depth, clear, top, feed)]
         lines += [*self._dwell(211), self._to(top + clear, self._out(feed))]

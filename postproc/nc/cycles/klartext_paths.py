@@ -217,6 +217,7 @@ class KlartextPaths(Before):
             if not self.feed:
                 raise self.scene.fault("the feed behind a cycle is not known", "write F here")
             self.due = False
+            # F stands before M, which may have words of its own behind it (M103 F..).
             after_motion = AFTER_MOTION.search(code)
             place = after_motion.start() if after_motion else len(code)
             words = code[:place].rstrip(), self.feed, code[place:]

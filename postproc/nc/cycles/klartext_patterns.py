@@ -40,6 +40,7 @@ def points(scene: Scene, cycle: int, value: Value) -> list[tuple[float, float]]:
 
 def _polar(scene: Scene, value: Value) -> list[tuple[float, float]]:
     count, step, begin = int(value(241)), value(247), value(245)
+    # With Q247 0 the points lie 360 / n apart, all the way round; a part of the circle is refused.
     around = abs(value(246) - begin)
     if abs(step) < NEAR and count > 1:
         if abs(around - 360) > NEAR:

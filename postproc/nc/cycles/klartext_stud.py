@@ -79,6 +79,8 @@ def _turns(scene: Scene, tool: Tool, cycle: int, value: Value, way: float) -> li
     numbers = ((223, 223), (222, 222)) if cycle == CIRCLE else ((218, 219), (424, 425))
     a, b = (value(n) / 2 + left + radius for n in numbers[0])
     outside = [value(n) / 2 + radius for n in numbers[1]]
+    # What stands beyond the finished sizes on each side, shared out evenly over the revolutions:
+    # the last one goes around the finished stud.
     more = [max(o - side, 0.0) for o, side in zip(outside, (a, b), strict=True)]
     step = radius * (value(370, 1.0) or 1.0)
     corner = a if cycle == CIRCLE else value(220, 0.0) + left + radius

@@ -59,6 +59,8 @@ class Moves:
         are distances."""
         scene, words = self.scene, []
         for axis, value in to.items():
+            # An arc names all its axes: an end that is left out is the start, and could mean a full
+            # circle.
             if more or scene.differs(axis, value):
                 words.append(self.word(axis, value))
         if words or more:

@@ -81,6 +81,8 @@ class Pocket(Cycle):
             for piece in [*contour, *clearing]:
                 _write(scene, m, piece)
             m.move("G1", dict(zip("XY", start, strict=True)))
+        # G41 and D stand in the block onto the wall, and stay on behind the cycle as the block's
+        # own would.
         first = [m.word(a, v) for a, v in zip("XY", shape[0].start, strict=True)]
         d = block.word("D")
         assert d is not None

@@ -45,6 +45,7 @@ def quarters(e: Element) -> list[Element]:
     def arm(p: Point) -> float:
         return math.atan2(p[1] - e.centre[1], p[0] - e.centre[0])
 
+    # An arc turns back in Z or X where its arm lies along an axis: at 0, 90, 180 and 270 degrees.
     first, sign = arm(e.start), 1 if e.code == COUNTER else -1
     sweep = (sign * (arm(e.end) - first)) % math.tau
     radius, ends = math.dist(e.start, e.centre), []
@@ -189,6 +190,8 @@ class TypeTwo:
 
     def _up(self, k: int) -> None:
         """Out to the level of the cut before and an escape more, if the tool is deeper."""
+        # Cut k lies k depths below the start point; the one before it and an escape more is this
+        # much below.
         over = (k - 1) * self.depth - self.escape
         # Never beyond the start point, where the stock is not known to end.
         height = self.top + self.sense * max(over, 0.0)

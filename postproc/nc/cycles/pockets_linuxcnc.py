@@ -138,6 +138,9 @@ class Roughing:
         if abs(self.at - p.end) < SHORT:
             return True
         middle = p.centre.real
+        #  ccw  .-o-.    cw  \     /    Going to -z, from right to left: against the clock an arc
+        #      /     \        '-o-'     climbs to its middle o and dives behind it, with the clock
+        #                               it dives first.
         if (self.at.real > middle) if p.counter else (self.at.real <= middle):
             return False
         found = p.at_level(x)
@@ -182,6 +185,7 @@ class Roughing:
 
     def _pocket(self, how: int, k: int) -> None:
         """Rough from piece k on."""
+        # BOTTOM lies below every shape: along the shape as long as it dives.
         if how == POCKETS_ONLY:
             while k < len(self.pieces) and self._dives(k, BOTTOM):
                 k += 1
@@ -192,6 +196,7 @@ class Roughing:
         for _ in range(MOST_CUTS):
             if k >= len(self.pieces):
                 return
+            # The next level below the tool: on the way along the shape some may have been passed.
             while x > self.at.imag:
                 x -= self.depth
             if not self._dives(k, x):

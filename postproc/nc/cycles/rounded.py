@@ -76,6 +76,7 @@ class Rounded:
         count = math.ceil(inner / step - NEAR)
         if count > MOST_RINGS:
             raise ValueError
+        # From a line or a point in the middle (k = 0) outwards, all alike.
         return [self.less(inner * (1 - k / count)) for k in range(count)] + [self]
 
 

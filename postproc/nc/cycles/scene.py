@@ -145,6 +145,7 @@ class Scene:
         None: not known."""
         if axis not in self.tracker.setup.axes or axis in self.unsure:
             return None
+        #   told by a cycle -> else the frame, back from beneath -> else the tracker, less its zeros
         if axis not in self._places:
             if self.tracker.state.origin is None:
                 self.tracker.take(b"")  # before the first block the tracker does not know its zeros

@@ -180,6 +180,8 @@ def lines_along(m: Moves, curve: Curve, axes: tuple[str, ...]) -> None:
     """Straight lines along a curve whose coordinates are those of `axes` (X as a radius), within
     the scene's tolerance."""
     scene = m.scene
+    # The tolerance is one of the slides: X as a radius while the curve is cut, a diameter when
+    # written.
     factor = np.array([scene.double(x) if x == "X" else 1.0 for x in axes])
     for point in curve.points(scene.chord, len(axes)) * factor:
         m.move("G1", dict(zip(axes, map(float, point), strict=True)))

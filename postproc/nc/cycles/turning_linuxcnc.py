@@ -256,6 +256,8 @@ class LinuxcncTurning(Cycle):
     ) -> tuple[list[Element], bool]:
         """The shape at the distance D, and whether levels are cut before it."""
         first, rest, d = elements[0], elements[1:], block.get("D") or 0.0
+        # A shape of one depth has no side by its ends: LinuxCNC moves it by D towards +X (-Z) then,
+        # whatever side the stock is on, and a single line is followed so.
         flat = d > 0 and abs(rest[-1].end[deep] - first.end[deep]) < NEAR
         line = len(rest) == 1 and not rest[0].is_arc and math.dist(first.start, first.end) > NEAR
         if (flat and not line) or abs(rest[-1].end[1 - deep] - first.end[1 - deep]) < NEAR:

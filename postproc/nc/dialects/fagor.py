@@ -75,6 +75,7 @@ DIALECT = Dialect(
         *shared.PLANE,
         *shared.DISTANCE,
         *shared.DWELL,
+        # One block in machine coordinates counts as G53; #MCS ON holds, and is refused below.
         *rows("", {"#MCS": "this block in machine coordinates"}, like="G53"),
         *shared.CUTTER,
         *shared.NO_MOTION,

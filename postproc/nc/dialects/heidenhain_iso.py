@@ -87,6 +87,7 @@ DIALECT = Dialect(
             does="words",
         ),
         *rows("datum", {"53": "datum from a table", "247": "preset"}, takes=True, refuses=_DATUM),
+        # G54 X+10 is a shift here, no table of offsets: --offset G54= is the datum beneath it.
         *rows("", {"54": "datum shift"}, takes=True, does="datum shift"),
         *rows("mirror", {"28": "mirror"}, refuses=codes.UNTURNED),
         *rows("rotation", {"73": "rotation of the coordinates"}, refuses=codes.UNTURNED),

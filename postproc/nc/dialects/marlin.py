@@ -329,6 +329,7 @@ DIALECT = Dialect(
     homes=True,
     other_codes_are_macros=True,
     home_z_over="XY",
+    # Levelling, parking and probing: what stands behind the code in its line is their own affair.
     g_takes=(12, 26, 27, 29, 33, 34, 35, 42, 76, 80, 425),
     skips_centre=True,
     signs=(*PRINTS, r"M420\b|M900[ \t]*K|M862\b", r"M205[ \t]*[XYZEBJ]|M204[ \t]*P[\d.]+[ \t]+R"),

@@ -14,6 +14,7 @@ from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
 from postproc.nc.rows import rows
 
+# How the control moves, looks ahead and reacts: no slide is led elsewhere by them.
 _QUIET = (
     "NORM KONT KONTT KONTC CFC CFTCP CFIN BRISK SOFT DRIVE BRISKA SOFTA FFWON FFWOF COMPOF CDON"
     " CDOF CDOF2 STARTFIFO STOPFIFO FIFOCTRL WALIMON WALIMOF RMB RMI RME RMN ORIC ORID FNORM FLIN"
