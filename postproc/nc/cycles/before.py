@@ -68,6 +68,8 @@ class Chain(Before):
     def _one(self, part: Before, line: Line) -> list[Line]:
         if not part.wants(line):
             return [line]
+        # `wants` is asked again for each line: what a part before has written may concern the next
+        # one.
         lines = part.take(line)
         self.rigid |= part.rigid
         return lines

@@ -58,6 +58,7 @@ class ToolDirections(Directions):
     def _begin(self, block: Block) -> bytes:
         """G43.5 as G43.4."""
         scene = self.scene
+        # A machine that can not turn the tool is refused here, not at the first vector.
         self.kinematics()
         wrong = next(
             (w for w in block.words if w.letter in "QIJK" or (w.letter == "P" and w.value)), None

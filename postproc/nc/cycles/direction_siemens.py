@@ -66,6 +66,7 @@ class SiemensDirections(Directions):
 
     def _check(self, block: Block) -> None:
         scene, kinematics = self.scene, self.kinematics()
+        # In the block of TRAORI itself the transformation is not in force yet.
         if not self.on or ON in block.codes:
             raise scene.fault(
                 "a direction A3 B3 C3 that does not stand behind TRAORI",

@@ -293,6 +293,7 @@ class Drilling(Cycle):
         """G0 to the place and to R level, and the cycle's own motions, as often as L or K says.
         Raises ProgramError."""
         hole = job.hole
+        # Before anything is written: 10,000 holes of 10,000 pecks would fill the memory.
         if job.times * len(hole.depths(scene)) > MOST_PECKS * 10:
             raise scene.fault(
                 f"{job.times:,} holes of {len(hole.depths(scene)):,} pecks each",

@@ -63,6 +63,7 @@ class FagorDrilling(FanucDrilling):
         start = self.start(scene, axis) if scene.incremental or level is None else 0.0
         self.held = {"R": start + (scene.length(level, axis) if level else 0.0)}
         self.p = dwell.raw if dwell else ""
+        # No bottom: `_hole` refuses it.
         if depth is None:
             return
         value = scene.length(depth, axis)

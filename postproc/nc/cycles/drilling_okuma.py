@@ -51,6 +51,7 @@ class OkumaDrilling(FanucDrilling):
         return Form(KIND, takes, axes=True)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
+        # M53 and M54 hold from hole to hole until G80 (`end`).
         found = [m for m in block.m_codes() if m in (52, TO_LEVEL, TO_R)]
         self.back = found[-1] if found else self.back
         # A cycle that is written out ends by itself where M53 and M54 lead; a tap keeps its own.
@@ -72,6 +73,7 @@ class OkumaDrilling(FanucDrilling):
             )
         job = super().job(scene, block, code)
         back = job.hole.r if self.back == TO_R else float(self.level or 0.0)
+        # P1000 of a cycle becomes G4 F1.
         dwell = f"{float(job.hole.p) / MILLISECONDS:.6g}" if job.hole.p else ""
         return replace(job, hole=replace(job.hole, back=back, p=dwell))
 

@@ -56,6 +56,7 @@ class LiveDrilling(Cycle):
                 held = scene.length(word, axis) if axis in "XYZ" else word.value
                 self.held[word.letter] = held or 0.0
         m = Moves(scene, own_words(block, "".join(WORDS | AROUND), {code}))
+        # G181 with shifts alone makes no hole: the words are kept for the places behind it.
         if not self.wants(scene, block):
             return Outcome(m.finish())
         angle = self.held.get("C", 0.0)
@@ -85,6 +86,7 @@ class LiveDrilling(Cycle):
         bottom = self.held.get(along)
         if bottom is None:
             raise scene.fault(f"G181 without {along}", "write where the hole ends")
+        # All words that hold, not the block's alone: X stays where only C is named again.
         place = {x: v for x, v in self.held.items() if x in PLACES and x != along}
         # C first and then the place, as the manual has it.
         m.move("G0", {x: place.pop(x) for x in "C" if x in place})

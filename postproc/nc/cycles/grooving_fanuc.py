@@ -91,6 +91,7 @@ class Grooving(Cycle):
         # `half`.
         to = start | named_end(scene, block, start)
         by = {x: self._step(scene, block, x) * half[x] for x in "XZ"}
+        # What the first of two blocks said holds on, as the parameter would that it sets.
         escape = (RETRACT[scene.inch] if self.escape is None else self.escape) * half[self.deep]
         deep, over = self.deep, self.over
         places = steps(scene, start[over], to[over], by[over])
@@ -150,6 +151,7 @@ class Grooving(Cycle):
                 "write one of them",
                 word,
             )
+        # I and K are lengths; P and Q count least increments where they have no point.
         if word:
             return abs(scene.length(word, axis))
         return abs(scene.counted(counted, axis)) if counted else 0.0

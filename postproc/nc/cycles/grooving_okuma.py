@@ -69,6 +69,7 @@ class OkumaGrooving(Cycle):
         places = steps(scene, start[over], to[over], step)
         depths = self._depths(scene, block, start[deep], to[deep])
         dwell = block.word("E")
+        # Each cut: in by pecks, the dwell at the bottom, all the way out; then over by a step.
         for k, place in enumerate(places):
             if k:
                 m.move("G0", {over: place})

@@ -88,6 +88,7 @@ class Corners:
         end = self._end(name, body, start)
         if coming and FAST.search(body):
             raise self.scene.fault(f"{name} at FMAX", "write a feed")
+        # F, M and R0 stay with the line whose place is written anew.
         words = b" ".join(PLACE.sub(b" ", body).split())
         lines: list[tuple[bytes, bool]] = []
         if held is not None:

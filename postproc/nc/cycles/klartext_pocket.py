@@ -83,6 +83,7 @@ class _Cut:
                 f"cycle {self.cycle} without its depth below 0, or with an allowance below 0",
                 "check Q200, Q201, Q368 and Q369",
             )
+        # Half sides and corner of the wall itself; `less` brings the tool's middle inside of it.
         wall = self._wall()
         if min(wall.a, wall.b) < self.radius + self.side - NEAR:
             raise scene.fault(
@@ -136,6 +137,7 @@ class _Cut:
             self._enter(high, z)
             for ring in rings:
                 self._around(ring.ring(), ring.start, self.feed(207))
+            # Out of the depth by the clearance only: what lies above is cut.
             high = min(z + self.clear, high)
             self._down(high)
             self._to((0.0, 0.0))

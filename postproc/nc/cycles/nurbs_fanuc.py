@@ -130,6 +130,7 @@ class FanucNurbs(Cycle):
         point."""
         self.axes = axes
         if self.weights:
+            # X as a radius, so that the tolerance is one of the slides.
             self.poles.append(tuple(scene.at(x) / scene.double(x) for x in axes))
             if not self.knots:
                 self.knots.append(knot)

@@ -223,6 +223,7 @@ def _shape(scene: Scene, block: Block, start: Point) -> list[Piece]:
             f"add it: O{number:g} before its first block, M99 behind the last",
             block.word("P"),
         )
+    # The subprogram is read, not run: variables and jumps in it are refused (`_codes`).
     pieces, here = [], start
     motion, incremental = 10, False
     for part in (

@@ -140,13 +140,13 @@ def beside(shape: list[Piece], distance: float, side: int) -> list[Piece]:
     for k, (a, b) in enumerate(zip(shape, [*shape[1:], shape[0]], strict=True)):
         one, other, turn = moved[k], moved[(k + 1) % len(moved)], corner(a, b)
         joint = None
-        if abs(turn) < TANGENT:
+        if abs(turn) < TANGENT:  # both moved ends are one place
             ends.append(one.end)
         elif turn * side > 0 and abs(turn) < math.pi - TANGENT:
             ends.append(_meeting(one, other))
         else:
             ends.append(one.end)
-            joint = Piece(-side, one.end, other.start, a.end)
+            joint = Piece(-side, one.end, other.start, a.end)  # about the old corner
         joints.append(joint)
     contour: list[Piece] = []
     for k, p in enumerate(moved):
@@ -232,7 +232,7 @@ def _circles(a: Piece, b: Piece) -> list[Point]:
 def _keeps_sense(before: Piece, new: Piece) -> None:
     """A piece that was cut off from both sides beyond its middle runs backwards."""
     if before.turn:
-        wrong = new.sweep > before.sweep + math.pi
+        wrong = new.sweep > before.sweep + math.pi  # it runs nearly all the way round
     else:
         s, t = before.tangent(False), new.tangent(False)
         wrong = s[0] * t[0] + s[1] * t[1] < 0
@@ -254,7 +254,7 @@ def walls(shape: list[Piece], side: int) -> list[Piece]:
     beyond = []
     for p in parts:
         (x, y), t = p.at(0.5), p.part(0.0, 0.5).tangent(True)
-        beyond.append((x + side * 1e-5 * t[1], y - side * 1e-5 * t[0]))
+        beyond.append((x + side * 1e-5 * t[1], y - side * 1e-5 * t[0]))  # away from the tool
     return [p for p, q in zip(parts, beyond, strict=True) if not _around(shape, q)]
 
 
@@ -322,9 +322,9 @@ def clearing(contour: list[Piece], axis: int, step: float) -> list[Piece]:
     way: list[Piece] = []
     for value in _values(contour, axis, step):
         left = _within(contour, behind, axis, value)
-        while left:
+        while left:  # a level may cross a pocket with arms more than once
             one = min(left, key=lambda ends: min(_apart(here, e, behind[-1]) for e in ends))
-            left.remove(one)
+            left.remove(one)  # the stroke whose nearer end lies next along the contour
             first, last = sorted(one, key=lambda e: _apart(here, e, behind[-1]))
             way += _along(contour, behind, here, first)
             way.append(Piece(0, _place(contour, behind, first), _place(contour, behind, last)))
@@ -344,7 +344,7 @@ def _within(
     ends, turns = [], 0  # turns: of the contour around the places behind the crossing
     for _, at, up in sorted(crossing):
         before, turns = turns, turns + (1 if up else -1)
-        if not before or not turns:
+        if not before or not turns:  # from outside in, or out; not between overlaps
             ends.append(float(at))
     return list(zip(ends[::2], ends[1::2], strict=True))
 
@@ -356,14 +356,14 @@ def _values(contour: list[Piece], axis: int, step: float) -> list[float]:
     extremes += [p.centre[axis] + k * p.radius for p in contour if p.turn for k in (-1, 1)]
     whole = [p.at(s)[axis] for p in contour for s in np.linspace(0.0, 1.0, SAMPLES)]
     low, high = min(whole), max(whole)
-    count = math.ceil((high - low) / step - 1e-6)
+    count = math.ceil((high - low) / step - 1e-6)  # not one more for a rounding
     if count > MOST_STROKES:
         raise DoesNotFit
     values = []
     for k in range(1, count):
         value = low + k * step
         while any(abs(value - e) < NEAR for e in extremes):
-            value += 3 * NEAR
+            value += 3 * NEAR  # a line through a corner crosses one piece, two or none
         values.append(value)
     return values[::-1] if contour[0].start[axis] > (low + high) / 2 else values
 

@@ -142,11 +142,13 @@ class Polynomials(Before):
         self._check(block, values, length)
         plain = {w.letter: w.value or 0.0 for w in block.words if w.letter in AXES}
         axes = [x for x in AXES if x in values or x in plain]
+        # One degree for all axes and the denominator, as poles of one Bezier piece need.
         count = max(len(v) for v in values.values()) + 1
         # No denominator is one of 1: the Bernstein ordinates of a constant are all 1.
         below = np.eye(1, count)[0]
         if DENOMINATOR in values:
             below = _coefficients(1.0, values[DENOMINATOR], 1.0, length, count)
+        # The denominator at p = PL: an axis ends in xe, so its numerator ends in xe times this.
         end = float(below.sum())
         columns = [
             _coefficients(scene.at(x), values.get(x, [plain.get(x, 0.0)]), end, length, count)

@@ -93,6 +93,7 @@ class LinuxcncRotation(FrameControl):
         if line != 2:
             return [block.text]
         number = block.get("P") or 0.0
+        # P0 is the offset in force, P1 is G54.
         system = int(number) if number else self.system()
         self.frames.forget()
         if angle is None:

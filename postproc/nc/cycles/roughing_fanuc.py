@@ -198,6 +198,7 @@ class Roughing:
         for axis in (0, 1):
             if not _turns(ways(self.rest, axis)):
                 continue
+            # The last block alone turns back: it is meant to draw the tool out.
             if axis == along and not _turns(ways(self.rest[:-1], axis)):
                 raise fault(
                     f"the last block of the shape takes {'ZX'[axis]} back{self._alarm(axis)}",
@@ -234,6 +235,7 @@ class Roughing:
                 "the start point, or the sign of the allowance, is on the wrong side",
             )
         try:
+            # Arcs in quarters: TypeTwo asks of each piece only whether it falls or climbs.
             pieces = [self.first, *(part for e in self.rest for part in quarters(e))]
             way = TypeTwo(pieces, deep, sense, c[deep], self.depth, self.escape).way(c)
         except TooMany:

@@ -132,6 +132,7 @@ class Splines(Cycle):
         # 2.9 takes L below 4 for 3 (docstring above), so 3 or less changes nothing.
         if order is not None and order > LEAST_ORDER:
             self.order = int(order)
+        # A first block with P alone has set the weight of the start, and adds no pole.
         if placed and weight is not None:
             self.poles.append((*_place(scene, block), weight))
 

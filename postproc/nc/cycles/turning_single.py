@@ -50,6 +50,7 @@ class Turn(Cycle):
         if not self.wants(scene, block):
             return Outcome(m.finish())
         start = {x: scene.at(x) for x in "XZ"}
+        # X or Z of the block before holds on where a block names the other alone.
         self.to |= named_end(scene, block, start)
         missing = [x for x in "XZ" if x not in self.to]
         if missing:

@@ -61,6 +61,7 @@ class Form:
 
     def check(self, scene: Scene, block: Block, code: int) -> None:
         """Raises ProgramError at the first word of the block that is not followed."""
+        # A block that stays keeps all its words: what they mean the control alone has to know.
         if self.stays or self.never:
             return
         where, letters, seen = f"{self.kind} (G{code / 10:g})", self.letters(scene), set()
@@ -109,6 +110,7 @@ class Form:
 
 def form_of(forms: tuple[Form, ...], block: Block) -> Form:
     """The way in which a block is written."""
+    # The ways that are told by a letter first; the last one is what any other block is.
     return next(
         f for f in forms if f is forms[-1] or not any(w.letter in f.unless for w in block.words)
     )
