@@ -17,6 +17,7 @@ from postproc.machine.uncertainty import MapUncertainty, micrometres, unstated
 from postproc.units import UM, URAD
 
 FORMAT = "gcomp-machines/1"
+PLACES = 200_000  # at which the whole map is looked at, in all axes together: 50 MB, 0.3 s
 
 
 def document(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -106,13 +107,13 @@ def _grid(machine: Machine) -> np.ndarray:
 
 
 def _some(machine: Machine, letter: str) -> np.ndarray:
-    """Nodes of an axis: all of them, but where several axes make that too many, nine places spread
-    over a turn or travel. Of a slide without a table the ends of its reach, where what leans is
+    """Nodes of an axis: all of them, but where several axes make that too many, some spread over
+    turn or travel. Of a slide without a table the ends of its reach, where what leans is
     farthest off."""
     if letter not in machine.tables and letter in LINEAR:
         return np.array(machine.reached[letter])
     nodes = machine.tables[letter].nodes if letter in machine.tables else np.zeros(1)
     if letter in ROTARY and nodes[-1] - nodes[0] > 360.0:
         nodes = np.arange(0.0, 360.0, 45.0)
-    most = 1000 if len(machine.letters) < 4 else 9
+    most = int(PLACES ** (1.0 / len(machine.letters)))
     return nodes if len(nodes) <= most else nodes[np.linspace(0, len(nodes) - 1, most).astype(int)]

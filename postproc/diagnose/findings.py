@@ -10,6 +10,7 @@ import numpy as np
 from postproc.diagnose import intervals, shapes, shared_jump, unrecorded
 from postproc.diagnose.answer import Finding
 from postproc.diagnose.block import Block
+from postproc.diagnose.factors import TRIED
 from postproc.diagnose.prior import rarity
 from postproc.diagnose.rows import Rows
 from postproc.diagnose.search import NAMES, Search
@@ -153,7 +154,8 @@ def limits(search: Search, state: Found) -> dict[str, float]:
         slab = float(sets.evidence.slab[first])
         # spread is that of readings and prior together (factors.py); without a prior it would be
         # without bound where no reading tells anything
-        power = 1 / float(spread[first]) ** 2 - 1 / slab**2
+        # what the readings tell: the prior of the spread is the largest size tried
+        power = 1 / float(spread[first]) ** 2 - 1 / (TRIED[-1] * slab) ** 2
         peak = float(block.largest[0])
         if power * slab**2 > TELLS:
             size = np.sqrt((wanted + sets.cost[k] + np.log1p(power * slab**2)) / power) * peak

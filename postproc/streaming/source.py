@@ -20,7 +20,7 @@ from postproc.errors import GcompError, Place, ProgramError
 from postproc.filter import Filter
 from postproc.motions import FOREIGN, LINES, RAPID, Motions
 from postproc.nc import pace
-from postproc.nc.lexer import Words
+from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
 from postproc.streaming.lines import Unsendable, WireLine
 from postproc.units import TICKS_PER_MM
@@ -29,7 +29,7 @@ BATCH = 64  # lines
 RAPID_MM_MIN = 3000.0  # where neither machine nor controller says how fast a rapid is
 # where it ends is not known
 LOST = re.compile(rb"G0*(28|30)(?![0-9.])|G0*38\.|^\$[HJ]", re.IGNORECASE)
-DWELL = re.compile(rb"G0*4(?![0-9.]).*?P *([0-9.]+)", re.IGNORECASE)
+DWELL = re.compile(rb"G0*4(?![0-9.])", re.IGNORECASE)
 COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*")
 
 
@@ -189,15 +189,20 @@ class Source:
                 self.ended = bool(self._ends and b"M" in wire.upper() and self._ends.search(wire))
         return result
 
-    @staticmethod
-    def _planned(line: WireLine) -> WireLine:
+    def _planned(self, line: WireLine) -> WireLine:
         """The line with the time that it waits, and without a place that is not known behind it."""
         wire = line.text.upper()
         if b"G" not in wire and b"$" not in wire:
             return line
-        dwell = DWELL.search(wire)
-        seconds = line.seconds + (float(dwell[1]) if dwell else 0.0)
+        seconds = line.seconds + (self._rest_s(line.text) if DWELL.search(wire) else 0.0)
         return replace(line, end=() if LOST.search(wire) else line.end, seconds=seconds)
+
+    def _rest_s(self, wire: bytes) -> float:
+        """How long the dwells of a line rest, in the letters and units of the dialect (Marlin: P in
+        ms, S in s); 0 where that is not known."""
+        words = lex(wire + b"\n", self.filter.dialect.grammar)
+        rests = [pace.seconds(words, block, self.filter.dialect) for block in pace.dwells(words)]
+        return sum(rest for rest in rests if not math.isnan(rest))
 
     def _wire(self, text: bytes, source: int) -> bytes:
         """The line as it is sent. Raises Unsendable with its place."""

@@ -17,6 +17,7 @@ from postproc.nc import dialects
 from postproc.streaming.compact import Compact, number
 from postproc.streaming.lines import WireLine
 from postproc.streaming.protocols.grbl import Grbl
+from postproc.streaming.protocols.marlin import Marlin
 from postproc.streaming.rates import Load
 from postproc.streaming.source import Source
 from tests.streaming.bench import new_sender, run
@@ -316,3 +317,19 @@ def test_A18_the_expected_time_is_within_20_per_cent_on_a_paced_model(feed):
     seconds = run(sender, model, lines)
     assert sender.outcome.kind == "done"
     assert load.expected == pytest.approx(seconds - 0.4, rel=0.2)
+
+
+@pytest.mark.parametrize(
+    ("dialect", "block", "seconds"),
+    [
+        ("grbl", b"G4 P0.5", 0.5),
+        ("marlin", b"G4 P500", 0.5),
+        ("marlin", b"G4 S2", 2.0),
+        ("grbl", b"G40", 0.0),
+    ],
+)
+def test_a_dwell_rests_as_long_as_its_dialect_says(dialect, block, seconds):
+    prepare = {"grbl": Grbl, "marlin": Marlin}[dialect]().prepare
+    source = Source(filter_(dialect=dialect), prepare)
+    lines = source.feed(b"G21\nG90\n" + block + b"\n") + source.finish()
+    assert lines[-1].seconds == pytest.approx(seconds)
