@@ -31,6 +31,9 @@ class Expansion:
     def rate(self) -> float:
         """mm/mm that the axis goes too far, seen by a part that is measured at 20 degrees
         Celsius."""
+        # The marks of a warm scale lie too far apart: the slide goes too far, +. Warm work is cut
+        # to size and shrinks when it cools to 20 degrees (ISO 1): seen by the cold part the slide
+        # had not gone far enough, -. Where scale and work grow alike nothing is left.
         return self.scale * (self.scale_at - 20.0) - self.work * (self.work_at - 20.0)
 
 
@@ -64,6 +67,8 @@ class Axis:
     @property
     def bare(self) -> Axis:
         """The same axis without errors."""
+        # optic, centre and measured_at stay: they are geometry, by which errors of other axes reach
+        # the tip.
         return replace(self, table=None, grids=(), expansion=None, location=np.zeros(6))
 
     @property

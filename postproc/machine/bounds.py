@@ -66,6 +66,8 @@ class Bounds:
             )
             total = np.zeros(len(middle))
             for table in (table for x, table in self.machine.every_table if x == letter):
+                # Within a cell, and beyond the ends, slopes are constant, so that one place in its
+                # middle tells them.
                 total += self.at_tip(letter, table.slope_range(middle, middle)[1])
             found[letter] = every, total
         return found
@@ -80,6 +82,8 @@ class Bounds:
             total = np.zeros(len(nodes))
             for table in (table for x, table in machine.every_table if x == letter):
                 # flat beyond the ends
+                # A node turns the slope by the step between the cells beside it; the larger of
+                # forward and reverse counts, since the side does not matter to a bound.
                 slopes = np.pad(table.slopes, ((0, 0), (0, 0), (1, 1)))
                 turns = np.abs(np.diff(slopes, axis=2)).max(axis=1)
                 total[np.searchsorted(nodes, table.nodes)] += self.at_tip(letter, turns)
@@ -99,6 +103,9 @@ class Bounds:
         low, high = np.minimum(start, target), np.maximum(start, target)
         result = self.bend(target - start)
         for row, nodes, turned in self._kinks:
+            # The picture of `kink`, with what the nodes within this motion turn the slope by in the
+            # place of the largest difference anywhere. A node where the motion begins or ends turns
+            # nothing within it.
             first, last = nodes.searchsorted(low[row], "right"), nodes.searchsorted(high[row])
             result = result + (turned[last] - turned[first]) * (high[row] - low[row]) / 4
         return result
@@ -152,6 +159,9 @@ class Bounds:
         m = self.machine
         axis = m.axes[letter]
         arm = np.abs(m.tool - m.measured[letter])
+        # Without rotary axes: the vector from where the axis was measured to the tip, each of its
+        # directions made as long as the slides of that direction can. With them lengths are added,
+        # whatever their directions: too long, never too short.
         if m.chain.rotary:  # turned about, every part of the arm may point anywhere
             slides = sum(self._travel(x) for x in m.chain.axes if x in XYZ)
             centres = sum(2 * float(np.linalg.norm(m.axes[x].centre)) for x in m.chain.rotary)
@@ -168,6 +178,8 @@ class Bounds:
     def _travel(self, letter: str) -> float:
         m = self.machine
         farthest = max(abs(t) for t in m.reached[letter]) + m.limits.max_correction
+        # A corrected command may leave the tables by a correction, never the travel (contract of a
+        # machine, "Meaning").
         return min(farthest, max(abs(t) for t in m.axes[letter].travel), FARTHEST)
 
     @cached_property
@@ -202,9 +214,12 @@ class Bounds:
         for letter, table in m.every_table:
             steep = float(np.linalg.norm(table.steepest[3:]))
             if letter in m.chain.axes:
+                # angle(q of its own axis) * arm(q of another): a product of two straight lines
                 for other in m.chain.arm(letter, m.axes[letter].optic):
                     add(letter, other, steep)
         for grid in m.grids:
+            # A grid bends by itself where both its axes move, and its angles times the arm as those
+            # of a table do, by either axis.
             add(grid.letter, grid.other, self.at_tip(grid.letter, grid.twist))
             along, across = (float(np.linalg.norm(slope[3:])) for slope in grid.slopes)
             for other in m.chain.arm(grid.letter, m.axes[grid.letter].optic):

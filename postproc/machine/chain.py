@@ -78,6 +78,9 @@ class Chain:
         one fixed to the workpiece stays behind.
         """
         at = self.axes.index(letter)
+        #   tool side:   b === carriage --- tip       the tip goes along: its own way is no part
+        #   part side:   carriage(w) === b --- tip    the carriage lies q the other way (ISO 841
+        #                                             counts the tool's motion): q is a part of it
         own = (optic or self.side(letter)) == "workpiece"
         return tuple(x for x in self.axes[at if own else at + 1 :] if x in LINEAR)
 
@@ -107,6 +110,8 @@ def parse(text: str) -> Chain:
             raise ValueError(f"chain {text!r}: {axis!r} is not one of X Y Z A B C U V W")
     if len(set(axes)) != len(axes):
         raise ValueError(f"chain {text!r} names an axis twice")
+    # With three, one direction of the tool has endlessly many poses: `poses.aligned` solves for one
+    # angle or two.
     turning = len(set(axes) & set(ROTARY))
     if turning > 2:
         raise ValueError(f"chain {text!r} has more than two rotary axes")
@@ -158,6 +163,8 @@ def arms(
 def leans(letter: str, lean: np.ndarray) -> list[tuple[int, np.ndarray]]:
     """How much an axis with squareness (3,) rad drifts in each direction per mm of its own way: c x
     (q u)."""
+    # Of X: C0X turns its way q towards +Y by C0X q, B0X towards -Z by B0X q; of Y: A0Y towards +Z,
+    # C0Y towards -X; and so on round. Hence one plus and one minus for each axis.
     own = along(letter)
     found = []
     for k, across in ((1, 2), (2, 1)):  # the component across rotates into the other
@@ -206,6 +213,9 @@ def shares(
         arm = [(k, *stays[k]) for k in sorted({arm for _, _, arm, _ in turns})]
         drifts, shifts = leans.get(letter, []), [i for i in range(3) if i in own]
         written |= {*shifts, *(i for i, _ in drifts)}
+        # tip_deviation adds a turn to what stands there already. In a direction to which neither
+        # this axis nor one before it has written a number, a zero must stand first. `written` goes
+        # on from axis to axis, so the order of the shares is the order of the chain.
         begins = {i for i, _, _, _ in turns} - written
         written |= begins
         zeros = [(i, ZERO) for i in sorted(begins)]
@@ -221,6 +231,8 @@ def tip_deviation(each: list[Share], parts: dict[str, Parts], position: Position
     of it may be numbers, and is told in numbers then. Not in place: a number has none.
     """
     total: list[Any] = [None, None, None]
+    # The order of these sums is part of the result: sums of floats round by their order, and one
+    # place told in numbers must come out as the same place within a column does.
     for share in each:
         for i, rate in share.drifts:
             drift = rate * position[share.letter]
@@ -241,6 +253,7 @@ def _length(constant: Value, slides: tuple[str, ...], position: Position) -> Val
     """(N,) or one number of mm: an arm in one direction."""
     total = constant
     if slides:
+        # a constant of zero is left out: each term costs a pass over N places
         total = position[slides[0]] + constant if constant else position[slides[0]]
         for slide in slides[1:]:
             total = total + position[slide]
@@ -251,4 +264,5 @@ def summed(part: Parts | None, more: Parts) -> Parts:
     """Six deviations and six more; None: there are none."""
     if part is None:
         return more
+    # None stays None: a column of zeros would be added at every look from here on
     return [b if a is None else a if b is None else a + b for a, b in zip(part, more, strict=True)]

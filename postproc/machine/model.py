@@ -64,6 +64,8 @@ class Machine(Stated):
         angles measured both ways."""
         tables = [(x, t.half) for x, t in self.every_table]
         tables += [(grid.letter, grid.half.reshape(6, -1)) for grid in self.grids]
+        # A rotation of the slide counts with its longest arm (at_tip). What all axes can do is
+        # added up, since they may all change sides in one block.
         total = 0.0
         for x, half in tables:
             size = 2 * np.abs(half).max(axis=1)
@@ -79,6 +81,8 @@ class Machine(Stated):
         least = np.zeros(len(self.letters))
         for row in self.corrected:
             nodes = np.concatenate(self.knots.get(self.letters[row], [np.zeros(1)]))
+            # Play is linear between the nodes of the axis' own tables, so it is least at one of
+            # them; grids by another axis are looked at where that one stands at zero.
             place = self.at({self.letters[row]: nodes}, len(nodes))
             least[row] = self.lost_motion(place, np.array([row])).min(initial=0.0)
         return least
@@ -118,6 +122,9 @@ class Machine(Stated):
     def with_tool(self, length: tuple[float, float, float]) -> Machine:
         """The same machine with a tool of this length, mm along X Y Z: the tip lies as much before
         the point that the slides carry."""
+        # `tool` is the point that cuts, from the last carriage. A length counts from the tip to
+        # where the tool is held (G43 H of a mill: towards +Z), so the tip lies that much on the
+        # other side.
         return replace(self, tool=self.tool - np.array(length))
 
     def at_temperatures(self, celsius: dict[str, float]) -> Machine:
@@ -151,6 +158,9 @@ class Machine(Stated):
             else:
                 q, each = self._at(_told(position, at), _told(approach, at), direction)
                 parts = tip_deviation(self._shares[isinstance(at, int), direction], each, q)
+            # `direction` leaves out components that can not act there (tables.ALONG); what the two
+            # other directions hold then is a part of their sum only, and the caller does not look
+            # at it.
             for row, own in self._ways:
                 if parts[own] is not None:
                     result[row, at] = parts[own]
@@ -163,6 +173,9 @@ class Machine(Stated):
         found = {}
         for direction in (None, 0, 1, 2):
             live = {x: self._there(x, direction) for x in self.letters}
+            # In numbers and in columns there are the same terms in the same order, so a place has
+            # the same bits whichever way it is looked at: output may not depend on how many places
+            # came together.
             found[False, direction] = each = shares(self.arms, live, self.leaning)
             found[True, direction] = [share.in_numbers for share in each]
         return found
@@ -170,6 +183,7 @@ class Machine(Stated):
     def _there(self, letter: str, direction: int | None) -> set[int]:
         """The components of an axis that `_parts` gives, 0 to 5."""
         tables = {i for t in self._live[letter] for i in t.rows}
+        # a table leaves out what can not act along `direction`; growth and grids are always whole
         if direction is not None:
             tables &= set(ALONG[direction])
         grown = {along(letter)} if letter in self.expansions else set()

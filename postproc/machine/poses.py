@@ -134,6 +134,8 @@ class Poses:
         rows = [self.machine.letters.index(x) for x in self.rotary]
         found = []
         for angles in _turns_to(self.machine, normal):
+            # The angles come from arctan2, within a turn of zero. Two turns either way hold every
+            # place of a travel of two turns; farther ones are not looked at.
             for turns in itertools.product((-2, -1, 0, 1, 2), repeat=len(angles)):
                 pose = position.copy()
                 # the same direction of the tool, other places of the axes: cables tell them apart
@@ -155,6 +157,9 @@ class Poses:
             none[self.machine.letters.index(x)] = position[self.machine.letters.index(x)]
         for k, x in enumerate(XYZ):
             none[self.machine.letters.index(x), k + 1] = 1.0
+        # One place with all slides at zero and one a millimetre along each of X Y Z, with the
+        # tables where they stand: the differences are the columns of a rotation, exact since poses
+        # are linear in slides.
         there = tips(self.machine, none) - self.machine.tool[:, None]
         turn = there[:, 1:] - there[:, :1]
         return Space(
@@ -195,11 +200,15 @@ def _turns_to(machine: Machine, normal: np.ndarray) -> list[tuple[float, ...]]:
 def _about_to(axis: np.ndarray, one: np.ndarray, other: np.ndarray) -> list[tuple[float, ...]]:
     """The angle, degrees, by which `axis` turns direction `one` into `other`; none where it can
     not."""
+    # Turning about `axis` keeps what a direction has along it: where that differs the one never
+    # becomes the other. What lies across turns; along the axis nothing turns, and any angle will
+    # do: zero.
     flat = [v - axis * (axis @ v) for v in (one, other)]
     if abs(axis @ one - axis @ other) > ONE:
         return []
     if np.linalg.norm(flat[0]) < ONE:
         return [(0.0,)]
+    # sine from the cross product, cosine from the dot product: the sign comes out right
     return [(float(np.degrees(np.arctan2(axis @ cross(*flat), flat[0] @ flat[1]))),)]
 
 

@@ -62,6 +62,10 @@ def carried(
     n = len(next(iter(position.values())))
     tip = np.repeat(g.tool[:, None].astype(float), n, axis=1)
     off, lean = np.zeros((3, n)), np.zeros((3, n))
+    # Each step takes tip, off and lean from the tool's side of an axis to its part's side:
+    #     w --- C --- b --- Y --- X --- Z --- t
+    #       <===    <=====  <===  <===  <===       a slide adds its own, a table also turns the sum
+    # `off` and `lean` are told in the frame of the body that the steps have reached.
     for letter in reversed(g.chain.axes):
         errors, step = _split(parts.get(letter), n), _slid if letter in XYZ else _swivelled
         tip, off, lean = step(g, letter, errors, position[letter], tip, off, lean)
@@ -117,6 +121,10 @@ def _swivelled(
     carries the part, behind it where it carries the tool."""
     centre, measured = g.centre[letter][:, None], g.measured[letter][:, None]
     stands = g.location.get(letter)
+    # ISO 230-7 tells the axis' errors in the frame that does not turn with it, the bed's. Seen from
+    # a table that frame lies towards the tool, from a head towards the part:
+    #     w === C | b ...                 ... b | A === t
+    #             ^ before the turn           ^ behind it
     carries_part = g.chain.side(letter) == "workpiece"
     if carries_part:
         off, lean = _added(off, lean, *errors, tip - centre - measured)
@@ -141,6 +149,7 @@ def rotation(letter: str, angle: np.ndarray) -> np.ndarray:
     result = np.zeros((3, 3, len(angle)))
     result[i, i] = 1.0
     result[j, j] = result[k, k] = np.cos(angle)
+    # Right-handed: A turns Y into Z, B turns Z into X, C turns X into Y; (i, j, k) in that order.
     result[k, j] = np.sin(angle)
     result[j, k] = -result[k, j]
     return result
@@ -228,6 +237,8 @@ def _solved(
     """(N, slides) mm along slides whose `directions`, (3, N), are not at right angles. Raises
     MachineError where two of them are one."""
     matrix = np.stack(directions, axis=1).transpose(2, 0, 1)  # (N, 3, slides)
+    # SINGULAR for two slides is the sine of the angle between them: 5.7 degrees. There a deviation
+    # across takes ten times as much travel of both, against each other.
     # Normal equations D'D x = D'off: a machine of two slides reaches what lies in their plane. The
     # determinant of D'D is the square of the area or volume that the directions span.
     square = np.einsum("nij,nik->njk", matrix, matrix)

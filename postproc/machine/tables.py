@@ -99,6 +99,8 @@ class AxisTable(BothWays):
         low and high (N,) mm."""
         first, last = self.place(low)[0], self.place(high)[0]
         least, most = self.slopes[:, :, first].copy(), self.slopes[:, :, first].copy()
+        # As many rounds as the widest box spans intervals, for all boxes at once; a box that spans
+        # fewer looks at its last interval again, which changes nothing.
         for k in range(1, int((last - first).max(initial=0)) + 1):
             slope = self.slopes[:, :, np.minimum(first + k, last)]
             np.minimum(least, slope, out=least)
@@ -138,6 +140,10 @@ class AxisTable(BothWays):
         the row of its half."""
         both = [i for i in rows if np.any(self.half[i])]
         value = np.concatenate([self.mean[rows], self.half[both]], dtype=np.float64)
+        # Rows of value:  0 .. C-1  the means of the live components, in the order of `rows`
+        #                  C ..     the halves of those measured both ways
+        # With approach -1, 0 or +1 mean + approach * half is the reverse, the mean or the forward
+        # curve.
         half = {i: len(rows) + k for k, i in enumerate(both)}
         return rows, value[:, :-1].copy(), np.diff(value).copy(), half
 
@@ -214,6 +220,7 @@ class AxisTable(BothWays):
             value = cells.values(position)
         else:
             value = self._looked_up(position, base, rise)
+        # `value` has more rows than `rows`: the halves behind the means are left for the loop below
         for i, column in zip(rows, value, strict=False):
             result[i] = column
         for i, k in half.items():
@@ -311,6 +318,8 @@ class GridTable(BothWays):
     def twist(self) -> np.ndarray:
         """(6,) largest mixed second derivative of each component."""
         both = np.diff(np.diff(np.stack([self.forward, self.reverse]), axis=2), axis=3)
+        # Within a cell d2f / dp dq is constant: (f11 - f10 - f01 + f00) / area. It is all that
+        # bends there, and only along a path that moves both axes.
         area = np.diff(self.nodes)[:, None] * np.diff(self.others)
         steepest: np.ndarray = (np.abs(both) / area).max(axis=(0, 2, 3))
         return steepest
@@ -359,6 +368,10 @@ def _interval(nodes: np.ndarray, position: np.ndarray) -> tuple[np.ndarray, np.n
 def _bilinear(
     value: np.ndarray, i: np.ndarray, j: np.ndarray, u: np.ndarray, v: np.ndarray
 ) -> np.ndarray:
+    #   j + 1  o-----------x---o   high
+    #          |           .   |          x: at u along `letter`, then v of the way between both
+    #   j      o-----------x---o   low
+    #          i           u  i+1
     low = value[i, j] + (value[i + 1, j] - value[i, j]) * u
     high = value[i, j + 1] + (value[i + 1, j + 1] - value[i, j + 1]) * u
     between: np.ndarray = low + (high - low) * v
