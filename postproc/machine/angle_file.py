@@ -34,6 +34,7 @@ def location(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, Axis]:
 def squareness(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, np.ndarray]:
     """[squareness]: axis that leans to (3,) rad."""
     square: dict[str, np.ndarray] = {}
+    # "u" is the section [squareness.u], not an angle
     stated = {name: v for name, v in toml.section("squareness").data.items() if name != "u"}
     for name, value in _angles(toml.section("squareness", stated), axes).items():
         if value:
@@ -59,6 +60,8 @@ def squareness_u(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, float]:
 def _angles(section: Section, axes: dict[str, Axis]) -> dict[str, float]:
     """Names of squareness to rad."""
     for name in section.data:
+        # B0X: the turn about Y by which X leans. A turn about the axis' own direction (A0X, C0C)
+        # changes nothing about where it points, and is refused.
         own = re.fullmatch(r"[ABC]0[XYZABCUVW]", name) and name[2] in axes
         if not own or ROTARY.index(name[0]) == (
             ROTARY.index(name[2]) if name[2] in ROTARY else along(name[2])

@@ -20,6 +20,8 @@ from postproc.machine.chain import ROTARY
 from postproc.machine.tables import COMPONENTS, AxisTable, AxisUncertainty, GridTable
 from postproc.units import UM, URAD
 
+# float() alone would also take 1_000, which a table never means. nan and inf pass here, to be
+# refused below in words of their own.
 NUMBER = expression(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf(inity)?)", re.IGNORECASE)
 TURN = 360.0
 
@@ -67,6 +69,7 @@ def read_uncertainty(
             "an uncertainty is zero or more: its half width, without a sign",
             Place(str(path), lines[below[0]]),
         )
+    # one turn of U is repeated as the table was, or U would end where the table goes on
     if letter in ROTARY:
         found = over_turns(found, *travel, path)
     if table is not None:
@@ -76,6 +79,8 @@ def read_uncertainty(
 
 def _covers(path: Path, found: AxisTable, table: AxisTable, lines: list[int]) -> None:
     """Raises MachineError where a part of the table lies outside the nodes of its uncertainties."""
+    # Beyond its nodes a table is held (tables.py): U at the last node would pass for the U of
+    # places of which nobody has said anything.
     ours, theirs = found.nodes, table.nodes
     late, early = ours[0] > theirs[0], ours[-1] < theirs[-1]
     if late or early:
@@ -113,6 +118,8 @@ def read_grid(path: Path, letter: str, other: str, max_slope: float) -> GridTabl
     line."""
     columns, rows, lines = _rows(path, letter, other)
     data = np.array(rows).T
+    # Rows may stand in any order. `at` is the cell of each in the grid, row by row of `nodes`; a
+    # cell that is seen twice, or never, is refused, so that `first` puts every value in its place.
     nodes, others = np.unique(data[0]), np.unique(data[1])
     if min(len(nodes), len(others)) < 2:
         raise MachineError(
@@ -171,6 +178,10 @@ def over_turns(table: AxisTable, low: float, high: float, path: Path) -> AxisTab
                 "the last node is the first one again",
                 Place(str(path), 1),
             )
+    #    0 ......... 360 ......... 720    the last node of a turn is the first of the next: it
+    #    '- turn 0 -' '- turn 1 -'        is kept once (values[:, :-1]), at the very end again
+    # A table that never ends may state a travel of any size: 100 turns each way are laid out, and
+    # beyond them the value at whole turns holds.
     before = max(0, math.ceil((table.nodes[0] - max(low, -100 * TURN)) / TURN))
     after = max(0, math.ceil((min(high, 100 * TURN) - table.nodes[-1]) / TURN))
     turns = np.arange(-before, after + 1)
@@ -226,6 +237,8 @@ def _rows(
     rows: list[list[float]] = []
     lines: list[int] = []
     columns: dict[tuple[int, str], int] = {}
+    # Line by line, not as one csv file: a quoted cell may then not hold a line end, and each number
+    # has its line in the file, which the messages name.
     for number, line in enumerate(text_of(path).splitlines(), 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
@@ -254,6 +267,7 @@ def _directions(
     """(6, N) forward and reverse, mm and rad, of columns as they stand in a file."""
     forward, reverse = np.zeros((6, data.shape[1])), np.zeros((6, data.shape[1]))
     for (component, direction), column in columns.items():
+        # the only place where the units of a table's file become mm and rad
         scale = UM if component < 3 else URAD
         for wanted, into in (("rev", reverse), ("fwd", forward)):
             if direction in ("", wanted):

@@ -50,6 +50,8 @@ def read_axis(
     table = None
     if "table" in section:
         path = _table_path(section, section["table"], "table")
+        # The bytes, not the numbers: a comment that is changed is another map as well, which is
+        # never wrong and needs no rule about what counts.
         digest.update(intake.whole(path, intake.TABLE, MachineError))
         table = read_table(path, letter, limits.max_slope)
         if letter in ROTARY:
@@ -69,6 +71,7 @@ def read_axis(
         grids=_grids(section, letter, digest, limits), expansion=heat(section),
         uncertainty=uncertainty, left_out=_left_out(section, letter),
         centre_stated=tuple(section.get("centre", {})),
+        # mm/min in the file, mm/s inside
         velocity=section.number("max_velocity", 0.0) / 60.0,
     )  # fmt: skip
 
@@ -83,6 +86,8 @@ def _travel(section: Section) -> tuple[float, float]:
 def _least_increment(section: Section) -> float:
     """mm. Raises MachineError where it is no power of ten."""
     least = section.number("least_increment")
+    # A word has so many decimals, and rounding to them is rounding to the increment; 0.0005 would
+    # need a rounding of its own.
     if not 1e-6 <= least <= 0.1 or abs(math.log10(least) - round(math.log10(least))) > 1e-9:
         raise section.fault(
             "least_increment",
@@ -108,6 +113,8 @@ def _measured_at(section: Section, letter: str, chain: chains.Chain) -> np.ndarr
     def along(x: str) -> float:
         if SECOND[x] not in chain.axes:
             return stood[x]
+        # Quill W on head Z: an angle of X, which carries both, acts on the sum of both places; an
+        # angle of Z on W alone, which is what Z carries.
         return sum(stood[y] for y in (x, SECOND[x]) if y in carried)
 
     return np.array(list(map(along, XYZ)))  # fmt: skip

@@ -30,6 +30,9 @@ def contributions(
         for i, angle in _each(lean):
             parts.append((f"{ROTARY[i]}0{x}", replace(without, square={x: angle})))
     parts += [(term.name, replace(without, effects=(term,))) for term in machine.effects]
+    # Parts add up to the whole to first order, since the deviation is linear in every error
+    # (chain.py); each is a machine of its own, so an arm, a tool and a pose count as they do in the
+    # whole.
     return [(name, part.deviation(position, approach)) for name, part in parts]
 
 

@@ -40,6 +40,9 @@ def _acts(machine: Stated, letter: str, component: int) -> list[tuple[int, tuple
         )
     found: list[tuple[int, tuple[str, ...]]] = []
     for i in (i for i in range(3) if i != component - 3 and XYZ[i] in machine.letters):
+        # A rotation about r moves along i by the arm along the third direction, 3 - i - r. Where
+        # the arm is zero and no slide adds to it the rotation does nothing: EBX of a lathe measured
+        # at the tool.
         stays, slides = machine.arms[letter][3 - i - (component - 3)]
         if stays or slides:
             found.append((machine.letters.index(XYZ[i]), slides))
@@ -49,6 +52,8 @@ def _acts(machine: Stated, letter: str, component: int) -> list[tuple[int, tuple
 def closed(direct: np.ndarray) -> np.ndarray:
     """(A, A) bool: the same through the commands of other axes, which are corrected themselves; and
     an axis that is corrected depends on its own place."""
+    # X is off by Z, and Z by Y: the command of X is found with Z's command, which needs Y. As many
+    # rounds as there are axes reach the end of the longest such chain.
     result = direct | np.diag(direct.any(axis=1))
     for _ in range(len(result)):
         result = result | (result.astype(np.int64) @ result.astype(np.int64) > 0)

@@ -21,12 +21,14 @@ def with_sections(
     document = tomlkit.parse(text)
     document["name"] = name
     listed = document.get(key)
+    # new sections go behind all that stands there, as text: nothing of it moves
     if isinstance(listed, Array):
         _lengthen(listed, sections, note)
         made = tomlkit.dumps(document)
     else:
         made = tomlkit.dumps(document)
         for k, section in enumerate(sections):
+            # a section needs no empty line before it in TOML; people do
             made += _gap(made) + _table(key, section, note if k == 0 else "")
     return _line_ends(made, text)
 

@@ -88,9 +88,13 @@ def _spread(entry: Section, term: EffectTerm, axes: dict[str, Axis], name: str) 
         raise entry.fault(key, message, "U (95 %) is zero or more")
     ends: list[AxisTable] = []
     grids: list[GridTable] = []
+    # (f(p + U) - f(p - U)) / 2, a central difference: of an effect that is linear in p U times the
+    # slope, of one that bends (a period, an exponent) the mean of both sides. Its sign means
+    # nothing, since U counts squared.
     for share in (0.5, -0.5):
         there = term.parameters | {name: term.parameters[name] + 2 * share * u}
         try:
+            # a period of zero, a root of less: there the effect has no meaning
             with np.errstate(all="raise"):
                 found = _applied(term.module, term.axis, axes, there, term.measured)
         except (ArithmeticError, ValueError):
@@ -148,6 +152,7 @@ def _applied(
 ) -> tuple[tuple[AxisTable, ...], tuple[GridTable, ...]]:
     """What an effect adds where the slides stand, for a compensator; its tables stay, beyond what
     was measured, what they were there."""
+    # what time, speed or force decides is kept as stated and changes no place
     if module.USE != "compensate":
         return (), ()
     rows, own = [], []
@@ -158,6 +163,8 @@ def _applied(
         own += module.arm_tables(axis, axes[axis].travel, measured, **parameters)
     if hasattr(module, "by_angle") and (map_ := axes[axis].table) is not None:
         rows += module.by_angle(axis, map_.nodes, map_.forward[3:], map_.reverse[3:], **parameters)
+    # tables() follow a curve that may leave the readings; by_angle() is as wide as the map,
+    # arm_tables() is told `measured` and holds by itself.
     tables = [_held(_table(*row), measured) for row in rows] + [_table(*row) for row in own]
     grids = []
     if hasattr(module, "grids"):

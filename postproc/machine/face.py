@@ -23,8 +23,15 @@ def slides_of(
     at the call. known: degrees that C's tables know, into which it is taken by whole turns."""
     x, c = letters.index("X"), letters.index("C")
     result = place.copy()
+    #       y (row of C)
+    #       ^     o place     X goes out to hypot(x, y) from C's line, which is at X = shift;
+    #       |   .'            C goes to the place's angle, counted from `heading`, where it
+    #       | .' angle        stood at the call.
+    #       +-------> x
     result[x] = np.hypot(place[x], place[c]) + space.shift
     angle = space.heading + np.degrees(np.arctan2(place[c], place[x]))
+    # One whole turn at most is put on or taken off: arctan2 stays within half a turn, so this is
+    # enough for a table of C that holds the turn in which the interpolation begins.
     angle = np.where(angle > known[1], angle - TURN, angle)
     result[c] = np.where(angle < known[0], angle + TURN, angle)
     if "Y" in letters:

@@ -77,6 +77,9 @@ def read_machine(folder: Path) -> Machine:
         chain = chains.parse(top.string("chain"))
     except ValueError as error:
         raise top.fault("chain", str(error)) from None
+    # The digest is of all bytes that the map is made of: this text, each table that it names and
+    # each file of a control table. Eight of its digits stand in every corrected program, and tell
+    # with which map it was corrected.
     digest = hashlib.sha256(toml.text.encode())
     limits, axes = _axes(toml, chain, digest)
     _check_uncertainties(folder, axes)
@@ -145,6 +148,8 @@ def _axes(
     if not isinstance(sections, dict) or not sections:
         raise Section(toml, "axes", {}).fault("", "no [axes.X] sections")
     limits = _limits(toml)
+    # The order of the file's sections means nothing: rows of all (A, N) arrays are X Y Z A B C U V
+    # W. An unknown name comes first (find gives -1), and read_axis refuses it.
     order = sorted(sections, key=(XYZ + ROTARY + "UVW").find)
     axes = {x: read_axis(toml, x, sections[x], digest, limits, chain) for x in order}
     if absent := [x for x in chain.axes if x not in axes]:
@@ -158,6 +163,8 @@ def _check_axes(toml: TomlFile, chain: chains.Chain, axes: dict[str, Axis]) -> N
     """Raises MachineError for a slide, or a table, that is not in the chain, and for a grid by
     what is no axis."""
     for x, axis in axes.items():
+        # A rotary axis beside the chain is allowed while it has no errors: a spindle's C, or an
+        # indexer whose words pass through.
         if x not in chain.axes and (x in LINEAR or axis.table is not None or axis.grids):
             chained = toml.data["chain"]
             raise Section(toml, f"axes.{x}", {}).fault(
@@ -194,6 +201,7 @@ def _limits(toml: TomlFile) -> Limits:
         )
     return Limits(
         section.number("max_correction", Limits.max_correction),
+        # the slope limit finds slips of the pen: mm entered for um are a thousand times too steep
         math.inf if section.flag("accept_slope") else slope,
         outside,
         hysteresis,
@@ -219,6 +227,8 @@ def _control_table(entry: Section, digest: hashlib._Hash) -> ControlTable:
             " false) at work?",
         )
     files = {k: _control_file(entry, k, digest) for k in ("file", "settings") if k in entry}
+    # Measured with the table and at work with it, or neither: the map is right as it is, and what
+    # the table does need not be known. Otherwise it has to be added to the map or taken out of it.
     if "file" not in files and (measured == "on") != active:
         message = "what this table does is not known"
         raise entry.fault("control", message, "file = the table's file")

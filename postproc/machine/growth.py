@@ -43,6 +43,8 @@ def drivers(
     found: list[Driver] = []
     lacking: list[str] = []
     out: list[str] = []
+    # A part that a table turns grows from the table's middle in all directions, not along a slide
+    # from `fixed_mm`: its growth is left out, and said.
     turned = next((x for x in machine.chain.rotary if machine.chain.side(x) == "workpiece"), "")
     for x, axis in machine.axes.items():
         if axis.expansion is None:
@@ -84,6 +86,7 @@ def grown(machine: Machine, moving: tuple[Driver, ...], values: np.ndarray) -> M
     stated temperatures."""
     terms = []
     for letter in dict.fromkeys(driver.letter for driver in moving):
+        # the same moment has one table an axis, however many thermometers it has
         own = [
             (d, float(v)) for d, v in zip(moving, values, strict=True) if d.letter == letter and v
         ]
@@ -105,6 +108,8 @@ def following(machine: Machine, moving: tuple[Driver, ...]) -> Machine:
     for x, axis in machine.axes.items():
         if (e := axis.expansion) is not None:
             by = {d.name.split()[0] for d in moving if d.letter == x}
+            # A driver counts from 20 degrees, so it holds all of the growth: the stated temperature
+            # would be corrected a second time. What no column follows keeps its stated one.
             scale_at = REFERENCE if "scale" in by else e.scale_at
             work_at = REFERENCE if "work" in by else e.work_at
             axes[x] = replace(axis, expansion=replace(e, scale_at=scale_at, work_at=work_at))
@@ -176,6 +181,7 @@ def _work(axis: Axis, columns: Collection[str], lacking: list[str]) -> list[Driv
         return []
     if growth.work_sensors:
         lacking += [c for c in growth.work_sensors if c not in columns]
+        # work that is warm is cut too small: the other sign (Axis' Expansion.rate)
         share = -growth.work / len(growth.work_sensors)
         return [_linear("work", axis, c, share) for c in growth.work_sensors if c in columns]
     own = _first(WORK, columns)
@@ -192,6 +198,8 @@ def _of_effect(
     nodes = np.array(machine.axes[x].travel)
 
     name = f"{term.name} of {x}"
+    # With a time constant the growth is worked out from the turns that the program names, in um
+    # (heat/course.py); without one it goes by a thermometer.
     if term.name == "spindle_growth" and p["tau_s"] > 0:
         named = tuple(sorted(p.items()))
         return [Driver(name, x, "", 0.0, nodes, np.full(2, UM), named)] if spindles else []
@@ -206,6 +214,7 @@ def _unit(term: EffectTerm, nodes: np.ndarray) -> tuple[tuple[str, ...], np.ndar
     if term.name == "spindle_growth":
         return SPINDLE, np.full(2, p["um_per_K"])
     if term.name == "screw_heat" and p["tau_s"] == 0:
+        # 1e-6 / K * mm, in um: 1e-3; plus what the bearing's own seat moves, um / K
         per_K = p["alpha_ppm_K"] * (nodes - p["held_at_mm"]) * 1e-3 + p["fixed_um_K"]
         return (f"T_screw_{x}_C", f"T_scale_{x}_C"), per_K
     if term.name == "structure_drift" and not any(p[k] for k in ("tau_s", "cycle_s", "creep")):

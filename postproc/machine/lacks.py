@@ -39,6 +39,7 @@ def _slides(machine: Machine) -> list[str]:
 def _stated_pairs(machine: Machine) -> set[frozenset[str]]:
     """Pairs of slides whose squareness is stated, or is an effect of its own."""
     stated = {
+        # B0X turns about Y: it is the angle between the other two, X and Z
         frozenset(XYZ) - {XYZ[ROTARY.index(name[0])]}
         for name in machine.square_stated
         if name[2] in XYZ
@@ -88,6 +89,8 @@ def _acting(machine: Machine) -> list[int]:
     """Rows of COMPONENTS: translations along a slide, and rotations that turn one slide's direction
     into another's, which an arm makes a deviation."""
     slides = {XYZ.index(x) for x in _slides(machine)}
+    # Of a lathe with X and Z: EB turns X into Z and counts; EA and EC turn one of them into Y,
+    # where nothing can be corrected, and nobody need measure them.
     turning = [r for r in range(3) if set(range(3)) - {r} <= slides]
     return [*sorted(slides), *(3 + r for r in turning)]
 

@@ -68,6 +68,7 @@ def marginals(
         nodes, missed = _nodes(own, moving, pose)
         values = [_along(own, moving, pose, nodes, way) for way in (1.0, -1.0)]
         spread, by = _spread(own, moving, pose, nodes)
+        # 1e-9 mm is rounding of the sums: a table of it would be a table of nothing
         for along in slides:
             row = machine.letters.index(along)
             up, down = values[0][row], values[1][row]
@@ -98,6 +99,9 @@ def _elsewhere(name: str, stand: dict[str, float], off: float) -> str:
 def _trimmed(table: Marginal) -> Marginal:
     """Without the outermost nodes that only hold the value of the next ones."""
     _, _, nodes, up, down = table
+    #     o---o---o                  o---o---o    a control holds the first and the last value
+    #              '.   .--o--.   .'              beyond its table, as we do: of nodes at the ends
+    #             ^ first   '---' ^ last          that have one value only the innermost counts
     steps = np.flatnonzero(np.abs(np.diff(up)) + np.abs(np.diff(down)) >= 1e-12)
     first, last = (steps[0], steps[-1] + 2) if len(steps) else (max(0, len(nodes) - 2), len(nodes))
     return Marginal(table.moving, table.along, nodes[first:last], up[first:last], down[first:last])
@@ -148,6 +152,8 @@ def _nodes(own: Machine, moving: str, pose: dict[str, float]) -> tuple[np.ndarra
         cut = by_interval > SEEN
         if not cut.any() or len(nodes) + int(cut.sum()) > NODES:
             return nodes, worst
+        # Nodes of the machine's own tables stay, since `union1d` only adds: the deviation has its
+        # corners there, and between them it is smooth.
         middle = (nodes[:-1] + nodes[1:])[cut] / 2
         nodes = np.union1d(nodes, middle)
     return nodes, _missed(own, moving, pose, nodes)[1]

@@ -34,6 +34,9 @@ def sentence(component: str, lost: np.ndarray, known_to: float = 0.0) -> str:
     if not len(lost):
         return ""
     limit, middle = max(LEAST[unit], known_to / one), float(np.median(lost))
+    #    command ----->|        approached in +: stops short, forward < 0
+    #              |<----- command     approached in -: stops short, reverse > 0
+    #    lost motion = reverse - forward > 0; the reversal B of ISO 230-2 is its negative
     if middle > -limit:
         return ""
     return (
@@ -52,7 +55,9 @@ def of_axis(machine: Machine, letter: str) -> np.ndarray:
         return np.zeros(0)
     nodes = np.unique(np.concatenate([table.nodes for table in tables]))
     total: np.ndarray = np.sum(
-        [-2 * np.interp(nodes, t.nodes, t.half[row]) for t in tables], axis=0
+        # half is (forward - reverse) / 2: lost motion is -2 half, as in Machine._play
+        [-2 * np.interp(nodes, t.nodes, t.half[row]) for t in tables],
+        axis=0,
     )
     return total
 

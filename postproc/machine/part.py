@@ -74,8 +74,10 @@ def largest_left(machine: Machine, part: Machine) -> float:
             if table is None
             else table.nodes
         )
+        # a grid of all axes: at most 9 places each, 729 of three
         places.append(nodes[np.unique(np.linspace(0, len(nodes) - 1, PLACES).astype(int))])
     grid = np.stack([g.ravel() for g in np.meshgrid(*places, indexing="ij")])
+    # all axes approached in -, then all in +: what reverses shows at one of them
     sides = [np.full_like(grid, s) for s in (-1.0, 1.0)]
     return max(
         float(np.linalg.norm(machine.deviation(grid, s) - part.deviation(grid, s), axis=0).max())
@@ -91,6 +93,8 @@ def _of_square(letter: str, chosen: set[str]) -> np.ndarray:
 def _axis(letter: str, axis: Axis, chosen: set[str]) -> Axis:
     rows = [row for row in range(6) if f"{COMPONENTS[row]}{letter}" in chosen]
     stated_rows = axis.table.stated if axis.table is not None else ()
+    # What was left out on purpose was measured all the same: without this `machines show` would ask
+    # for it again (lacks.py).
     gone = [f"{COMPONENTS[row]}{letter}" for row in sorted({*stated_rows} - {*rows})]
     return replace(
         axis,

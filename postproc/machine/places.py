@@ -17,6 +17,8 @@ ALIKE = 0.75  # of difflib's ratio: two letters changed places, or one is missin
 
 def folders() -> Iterator[Path]:
     """Folders of machines that exist, the first one wins."""
+    # Resolved, since ./machines may be the repository's own folder: it would be listed twice, and
+    # with its copies twice.
     before: list[Path] = []
     for folder in _candidates():
         if folder.is_dir() and (place := folder.resolve()) not in before:
@@ -59,6 +61,8 @@ def folder_of(name: str) -> Path:
     """The folder of the machine called `name`, or of that path. Raises UsageError with the names
     that there are."""
     path = Path(name)
+    # A word without a slash is a name first, unless a folder of that name here is a machine:
+    # `studer-s36` in ./machines must not hide behind a folder `studer-s36` of programs.
     if (len(path.parts) > 1 or path.is_absolute()) or (path / "machine.toml").is_file():
         if not path.is_dir():
             raise UsageError(

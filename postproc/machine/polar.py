@@ -56,6 +56,8 @@ class PolarMachine(TipMachine):
         slides = self.slides(position)
         off = poses.turned(self.space.matrix.T, self.base.carried(slides, approach)[0])
         if "Y" in self.letters:  # the control takes it to stand on C's line
+            # It sends X to hypot(x, c). A tool that stands `aside` along Y is as far off across:
+            # along (-c, x) / hypot(x, c), a quarter turn ahead of the place (x, c).
             aside = slides[self.letters.index("Y")] - self.space.across
             x, c = (position[self.letters.index(letter)] for letter in "XC")
             off[:2] += aside * np.stack([-c, x]) / np.hypot(x, c)
@@ -82,17 +84,24 @@ class PolarBounds(TipBounds):
         kink, steep = super().local(low, high)
         size = np.zeros(low.shape[1])
         still = np.zeros_like(low)
+        # two corners and the middle are looked at; what is larger in between BEYOND allows for
         for place in (low, high, (low + high) / 2):
             off = self.machine.deviation(place, still)
             size = np.maximum(size, BEYOND * np.linalg.norm(off, axis=0))
         rows = [self.machine.letters.index(x) for x in "XC"]
+        # A box that holds a coordinate's zero is 0 from it in that coordinate; else the nearer of
+        # its edges counts. So `near` is the box' least distance from C's line.
         near = np.hypot(*(np.maximum(np.maximum(low[r], -high[r]), 0.0) for r in rows))
         turns = size / np.maximum(near, NEAREST)
+        # A vector of size e that turns once around the line changes by e / r per mm at radius r; a
+        # chord through it misses as if the slope differed by twice that.
         return kink + 2 * turns, steep + turns
 
     def angle(self, start: np.ndarray, target: np.ndarray) -> np.ndarray:
         """(M,) degrees that C turns along straight motions (A, M)."""
         x, c = (self.machine.letters.index(letter) for letter in "XC")
+        # The angle between both ends seen from C's line, below half a turn: a line that does not go
+        # through it turns C by less than that. Rows are x + i y.
         one, two = start[x] + 1j * start[c], target[x] + 1j * target[c]
         swept: np.ndarray = np.abs(np.degrees(np.angle(two * np.conj(one))))
         return swept

@@ -177,6 +177,8 @@ class Stated:
         found = {}
         for x, axis in self.axes.items():
             low, high = axis.travel
+            # Only of linear axes: a table of a full turn repeats, and one of less is held beyond
+            # its ends.
             if self.limits.outside == "error" and x in self.ranges and x in LINEAR:
                 first, last = self.ranges[x]
                 low, high = max(low, first), min(high, last)
@@ -197,6 +199,9 @@ class Stated:
         leans."""
         found = {x: axis.location.copy() for x, axis in self.axes.items() if axis.location.any()}
         for x, lean in self.square.items():
+            # Squareness is the rotation part of a location: how a rotary axis' line leans is stated
+            # under [squareness] as well (A0C), where it lies beside its place under [location]
+            # (X0C).
             found.setdefault(x, np.zeros(6))[3:] += lean
         return found
 
@@ -216,6 +221,8 @@ class Stated:
         exact = all(t.is_zero for t in self.tables.values()) and not any(
             grid.rows for grid in self.grids
         )
+        # Angles alone, without an arm or another error, still move the tip: they are in the tables'
+        # rows, so `exact` has looked at them.
         still = exact and not self.locations and not self.expansions and not self.growth
         return still and not any(e.tables for e in self.effects)
 
@@ -232,6 +239,8 @@ class Stated:
     def pretravel(self) -> dict[str, float]:
         """Axis to mm of its own travel behind a turn over which its largest reversal builds up
         beyond its own size, where an effect says so."""
+        # Several things may reverse on one axis: measured tables (at once, way 0), backlash (at
+        # once), windup (over its way). One way stands for all of them: that of the largest.
         sizes = {x: [(2 * float(np.abs(t.half[:3]).max()), 0.0)] for x, t in self.tables.items()}
         for term in self.effects:
             way = getattr(term.module, "ramp_mm", lambda **named: 0.0)(**term.parameters)
@@ -246,6 +255,7 @@ class Stated:
         """Whether any axis has a rotation, so that the tool's length matters."""
         rows = [row for axis in self.axes.values() for t in axis.tables for row in t.rows]
         rows += [row for e in self.effects for t in (*e.tables, *e.grids) for row in t.rows]
+        # rows 3 to 5 are rotations: what they do to the tip is as long as the arm, the tool in it
         return bool(self.chain.rotary) or any(row >= 3 for row in rows)
 
     @cached_property

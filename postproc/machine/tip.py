@@ -106,6 +106,9 @@ class TipMachine(Machine):
 
     def _turns(self, slides: np.ndarray, lean: np.ndarray) -> np.ndarray:
         """(R, N) rad by which the rotary axes seem to be off, as a lean (3, N) rad tells it."""
+        #     tool ^   .' as it leans      A turn about the tool itself changes no direction of the
+        #          | .'                    tool, so only what of the lean, and of each axis' way,
+        #     way  o-->                    lies across the tool is told and asked for.
         ways, tool = poses.axes_of(self.base, slides)
         each = np.stack([_across(tool, way) for way in ways], axis=1)  # (3, R, N)
         # Least squares of each @ turn = lean by singular values: `size` is how far the tool turns
@@ -151,6 +154,9 @@ class TipBounds(Bounds):
     def steepest(self) -> float:
         """mm/mm: bound of the deviation's change over the way; a degree takes the slides along by
         its arm."""
+        # A degree swings the longest arm by arm * pi / 180 mm, and the slides have to go as far.
+        # Near a pole an axis turns by 1 / SOFT rad for a rad of lean. At most 0.5: of a bound of 1
+        # or more the inverse would never believe that it has come close enough.
         arm = max(self._base.reach(x) for x in self.machine.chain.axes)
         return min(
             self._base.steepest
@@ -204,10 +210,14 @@ class TipBounds(Bounds):
         every = np.zeros((2, len(start), n))
         every[:, list(machine.chained)] = slides.min(axis=2), slides.max(axis=2)
         kink, steep = self._base.local(every[0], every[1])
+        # Second differences over `count` samples stand for f'' (1 / (count - 1))**2; what curves by
+        # f'' leaves its chord by f'' / 8. What slides bend, of which the deviation follows by its
+        # steepness, counts alike.
         bend = np.abs(np.diff(off, 2, axis=2)).max(axis=(0, 2)) + steep * np.abs(
             np.diff(slides, 2, axis=2)
         ).max(axis=(0, 2))
         smooth = self._base.bend(every[1] - every[0]) + bend * (count - 1) ** 2 / 8
+        # kink * s / 4 per part of length s goes with 1 / parts, what is smooth with 1 / parts**2
         wanted = np.maximum(way * kink / (4 * slack), np.sqrt(smooth / slack))
         parts: np.ndarray = np.clip(np.ceil(wanted), 1, MOST_PARTS).astype(np.int64)
         return parts

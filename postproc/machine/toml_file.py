@@ -38,11 +38,16 @@ class TomlFile:
                 if name == key:
                     return number
                 fallback = fallback if name else number
+        # [axes.X] may also stand as `X = { ... }` below [axes]: then its line is named.
         outer, _, name = section.rpartition(".")
         return fallback or (self.line(outer, name) if outer else 1)
 
     def _entries(self) -> Iterator[tuple[int, str, int, str]]:
         """Line, section, which of several of that name, and key ("" of the section itself)."""
+        # tomllib tells values without their lines. So the text is read once more, by its layout,
+        # and only when something is wrong: a heading, or `key =` at the start of a line. Keys that
+        # a multi-line value holds may be taken for keys of the section: then a line beside the
+        # right one is named.
         here, counts = "", Counter({"": 1})
         for number, line in enumerate(self.text.splitlines(), 1):
             if header := re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line):

@@ -40,6 +40,8 @@ class MapUncertainty:
         there; zero where nothing is stated."""
         square = np.zeros(position.shape)
         for part in self.parts.values():
+            # Independent errors: squares add (JCGM 100, 5.1.2). The sign of a part means nothing,
+            # so that U may stand in a table as if it were a deviation.
             square += part.deviation(position, approach) ** 2
         return np.sqrt(square)
 
@@ -81,6 +83,7 @@ class AlongPath:
         """(N,) mm: U at places, as in `see`."""
         u = np.zeros(position.shape[1])
         # Where no rotation is uncertain the tool is no arm of anything: one length stands for all.
+        # a machine for each tool length would be built anew: a program has few of them
         lengths, which = np.unique(
             tool if self.known.turns else 0.0 * tool, axis=1, return_inverse=True
         )
@@ -119,6 +122,7 @@ def micrometres(mm: float) -> str:
 
 def _parts(machine: Machine) -> dict[str, Machine]:
     """Name to the machine with one error alone, U in size."""
+    # without tables and effects, but with the chain, tool and measured_at: the arms stay the same
     nothing = machine.bare
     parts: dict[str, Machine] = {}
     for x, axis in machine.axes.items():

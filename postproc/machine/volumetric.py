@@ -68,6 +68,7 @@ class VolumetricMap:
             axes[x] = Axis(x, (float(low), float(high)), 1e-4, np.zeros(3), table, grids=grids)
         lean: dict[str, np.ndarray] = {}
         for key, angle in self.square.items():
+            # "B0Z": the letter of the turn, 0, and the axis that leans
             lean.setdefault(key[2], np.zeros(3))[ROTARY.index(key[0])] += angle
         chain = Chain(self.chain, self.workpiece_axes)
         return Machine(name=name, title="", control="", chain=chain, axes=axes, square=lean)
@@ -90,10 +91,15 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
         offset = machine.tool - machine.measured[x]
         # 1, 0 or -1: its own position is in the arm that its optic had and the axis has not, or the
         # other way round
+        #     optic      axis carries   arm has its own position   written arm has it   own
+        #     tool       tool           no                         no                    0
+        #     workpiece  tool           yes                        no                   +1
+        #     tool       workpiece      no                         yes                  -1
         own = (x in machine.chain.arm(x, axis.optic)) - (x in machine.chain.arm(x))
         for table in (axis.table, *axis.grids):
             if table is None or not table.rows:
                 continue
+            # nodes against (6, K) as (K,), against the (6, K, L) of a grid as (K, 1)
             shape = (-1,) + (1,) * (table.forward.ndim - 2)
             forward, reverse = (
                 _moved(v, offset, own, x, table.nodes.reshape(shape))
@@ -146,6 +152,7 @@ def directions(machine: Machine, found: VolumetricMap) -> dict[str, float]:
     tables: list[AxisTable | GridTable] = [*found.axes.values(), *found.grids]
     for table in tables:
         half = np.abs(table.forward - table.reverse).reshape(6, -1).max(axis=1) / 2
+        # at tool length zero, as the map is written: a longer tool would add to the arm
         arm = [max(abs(t) for t in machine.axes[x].travel) for x in machine.chain.arm(table.letter)]
         reach = float(np.linalg.norm(arm)) if arm else 0.0
         sizes = {
@@ -166,6 +173,8 @@ def merged(
     nodes = np.unique(np.concatenate([nodes for _, nodes, _, _ in parts]))
     forward, reverse = np.zeros((6, len(nodes))), np.zeros((6, len(nodes)))
     for row, own, up, down in parts:
+        # Exact: every component is linear between its own nodes, which are all among the common
+        # ones; np.interp holds the ends, as our tables do.
         forward[row], reverse[row] = np.interp(nodes, own, up), np.interp(nodes, own, down)
     return AxisTable(letter, nodes, forward, reverse)
 

@@ -49,6 +49,8 @@ def _sections(key: str, value: Any, comments: Mapping[str, str]) -> list[list[st
         return [[f"[[{key}]]", *(toml.entry(k, v, "") for k, v in part.items())] for part in value]
     below = {k: part for k, part in value.items() if key in NESTED and isinstance(part, Mapping)}
     own = {k: value[k] for k in value if k not in below}
+    # no heading [axes] of its own, since every axis has one; [squareness] has angles beside
+    # [squareness.u]
     found = [_section(key, own, comments)] * (key != "axes")
     return found + [
         _section(f"{key}.{toml.key(name)}", part, comments) for name, part in below.items()
@@ -95,6 +97,7 @@ def number(value: float, decimals: int) -> str:
     """Without the zeros that say nothing, and without a minus before nothing."""
     text = f"{value:.{decimals}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
+    # -0.00004 um would be written -0, which reads as a sign that was measured
     return "0" if text in ("-0", "") else text
 
 
