@@ -57,6 +57,10 @@ def motions(recording: Recording) -> list[Motion]:
             Place(recording.file, int(recording.lines[0])),
         )
     if len(moved) == 1:
+        #     moves          positions                        is
+        #     one axis       a line along it                  that axis
+        #     several        one straight line                a diagonal (linear axes alone)
+        #     several        lines of one axis, side by side  that axis, once for each place
         return [_along_axis(recording, moved[0], {})]
     linear = all(x in LINEAR for x in moved)
     if linear and (direction := _collinear(recording, moved)) is not None:
@@ -92,6 +96,9 @@ def _collinear(recording: Recording, moved: list[str]) -> dict[str, float] | Non
     """The direction of the line that all positions lie on, None where they do not lie on one."""
     points = np.stack([recording.position(x) for x in moved], axis=1)
     centred = points - points.mean(axis=0)
+    # The first right singular vector is the direction in which the points spread most. All must lie
+    # by it within two of the distances that count as one target, and every axis must have a part in
+    # it: one that stands still makes no diagonal.
     direction = np.linalg.svd(centred, full_matrices=False)[2][0]
     away = centred - np.outer(centred @ direction, direction)
     if np.abs(away).max() > 2 * SAME or np.abs(direction).min() < 1e-3:
@@ -102,6 +109,9 @@ def _collinear(recording: Recording, moved: list[str]) -> dict[str, float] | Non
 def _moving_axis(recording: Recording, moved: list[str]) -> str:
     """The axis that moves alone in most steps from one reading to the next."""
     steps = np.stack([np.abs(np.diff(recording.position(x))) > SAME for x in moved])
+    #     Z ->->->->->       In lines of Z at several X most steps move Z alone, and X moves alone
+    #               X |      only from line to line.
+    #     Z <-<-<-<-<-
     alone = steps & (steps.sum(axis=0) == 1)
     counts = alone.sum(axis=1)
     if counts.max() == 0 or (counts == counts.max()).sum() > 1:
@@ -132,6 +142,7 @@ def _of_angle(
     recording: Recording, letter: str, largest: str, cosine: float
 ) -> tuple[str, str, float, str]:
     """As `_kind`, of an angle; cosine: of its direction with the axis about which it is read."""
+    # sensitive = { Y = 1.0 } of an angle: about Y, which is B
     about = ROTARY[LINEAR.index(largest)] if largest in LINEAR else largest
     if abs(cosine) < ALONG:
         raise IsoError(
@@ -198,6 +209,7 @@ def _along_diagonal(recording: Recording, direction: dict[str, float]) -> Motion
     )
     shown = " ".join(f"{x}{unit[x]:+.3f}" for x in axes)
     return Motion(
+        # positions along a diagonal count from its first target, since its axes have no common zero
         "diagonal", name, axes, unit, stood, position - position.min(), approach,
         np.sign(cosine) * recording.reading, recording.columns.get("run", np.ones(len(recording))),
         recording, f"{', '.join(axes)} move together along {shown}, displacement is read along it",
@@ -208,6 +220,8 @@ def _along_diagonal(recording: Recording, direction: dict[str, float]) -> Motion
 def _approach(recording: Recording, letters: list[str], unit: dict[str, float]) -> np.ndarray:
     """(N,) direction along the motion; 0 where an axis has none or they contradict each other.
     Raises IsoError if it is 0 everywhere."""
+    # On NPP X goes towards - while the diagonal goes towards +: its approach counts turned round.
+    # Axes that contradict each other have come from nowhere along the diagonal.
     signs = np.stack([recording.approach(x) * np.sign(unit[x]) for x in letters])
     same = np.where((signs == signs[0]).all(axis=0), signs[0], 0.0)
     if not same.any():

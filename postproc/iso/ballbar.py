@@ -38,6 +38,8 @@ def traces(recording: Recording) -> tuple[str, list[Trace], list[str]]:
     arm = np.stack([recording.position(x) - recording.head["centre"][x] for x in axes])
     beside = np.abs(np.hypot(*arm) - nominal) > OFF
     notices: list[str] = []
+    # The commanded place decides, not the reading: a reading of 0.1 mm is what the test is about, a
+    # command beside the circle is the run-in. More than half beside it: the head is another test's.
     if beside.mean() > 0.5:
         raise IsoError(
             f"the commanded positions are {np.hypot(*arm[:, beside])[0]:.3f} mm from the centre,"
@@ -72,6 +74,7 @@ def _circles(
         if len(rows) < 12:
             notices.append(f"run {number:g} has {len(rows)} samples only and is left out")
             continue
+        # in order of time, as `circles.trace` unwraps the angle; a file may be sorted otherwise
         rows = rows[np.argsort(recording.columns["t_s"][rows], kind="stable")]
         one = circles.trace(int(number), angle[rows], recording.reading[rows], nominal)
         if ways.setdefault(side, one.way) != one.way:
@@ -204,8 +207,11 @@ def _terms(recording: Recording, options: Options, parameters: list[Parameter]) 
     device = options.budget.device if options.budget.device is not None else recording.u
     if device is not None:
         # F and D are one reading against the bar's zero, the others differences of two readings.
+        # terms_of has put it first, with the root of 2 of a difference in it
         terms[0] = Term("device", terms[0].u, names - lengths, terms[0].said)
         terms.insert(1, Term("device, one reading", device, lengths, terms[0].said.split(",")[0]))
+    # temperature and expansion act over the radius; a cosine error does not: the bar lies along its
+    # radius
     scale = terms_of(options.budget, None, float(recording.head["radius_mm"]), lengths, True)
     return tuple(terms + [t for t in scale if t.name in ("temperature", "expansion")])
 
@@ -215,6 +221,7 @@ def _over_runs(name: str, words: str, values: list[float], at: str = "") -> Para
     if not values:
         return Parameter(name, None, words)
     n = len(values)
+    # the mean over n runs: s / sqrt(n), widened by Student's t since s is known from n runs alone
     runs = student(n - 1) * float(np.std(values, ddof=1)) / math.sqrt(n) if n > 1 else None
     return Parameter(name, float(np.mean(values)), words, at, None, runs)
 

@@ -86,6 +86,9 @@ def causes(axes: str, traces: Sequence[Trace], feed_mm_min: float | None = None)
     found = solve @ y
     left = y - terms @ found
     sector = (np.mod(angle, 2 * np.pi) / (2 * np.pi) * SECTORS).astype(int)
+    # Residuals of neighbours go together (a spike's tail, a screw's wave), so counting samples as
+    # independent would make U far too small. Each sector pulls at the sizes as a whole; from how
+    # the 16 pulls scatter follows what chance does to their sum.
     pulls = np.stack([solve[:, sector == k] @ left[sector == k] for k in range(SECTORS)], axis=1)
     free = SECTORS - 3
     u = np.sqrt((pulls**2).sum(axis=1) * SECTORS / free) * student(free)
@@ -114,6 +117,10 @@ def _columns(t: np.ndarray, w: np.ndarray, radius: float) -> np.ndarray:
     """(N, K) mm that each cause adds to the radius, by the unit of its parameter in mm or rad; in
     the order of `_units`."""
     # directions in which the axes move
+    #            b              a = R cos t, b = R sin t. With w = +1 (from a to b) a falls while
+    #        .---|---.          b is above zero: its way is -w sign(sin t), that of b w sign(cos t).
+    #       |----+----| a
+    #        '---|---'
     first, second = -w * np.sign(np.sin(t)), w * np.sign(np.cos(t))
     # Angle since the axis turned: a turns at 0 and 180 degrees, b at 90 and 270.
     since_a, since_b = np.mod(w * t, np.pi), np.mod(w * (t - np.pi / 2), np.pi)
@@ -138,6 +145,8 @@ def _units(axes: str, feed_mm_min: float | None) -> dict[str, tuple[str, float, 
     """Name to the unit in which its parameter is told, what it is multiplied by, and what it is
     where it is positive."""
     a, b = axes[0], axes[1]
+    # Of time constants Ta and Tb the radius gets v (Ta - Tb) / 2 w sin(2t): m = v dT / 2, so dT = 2
+    # m / v with v = feed / 60 mm/s, in ms 2000 * 60 m / feed.
     lag = ("ms", 2000.0 * 60.0 / feed_mm_min) if feed_mm_min else ("um", 1 / UM)
     short, stays = "it stops short", "it sticks, and stays outside"
     return {

@@ -33,6 +33,7 @@ def results(recordings: Sequence[Recording], options: Options) -> tuple[list[Res
             raise IsoError("there are no rows", "", Place(recording.file, 1))
         if recording.kind == "ballbar":
             out.append(ballbar.result_of(recording, options))
+        # before motions(), which refuses targets of which none moves
         elif recording.kind == "targets" and drift.rests(recording):
             one, result = drift.result_of(recording, options)
             resting.append(one)

@@ -97,6 +97,9 @@ def minimum_zone(points: np.ndarray, nominal: float) -> Circle:
         away = points - centre
         distance = np.linalg.norm(away, axis=1)
         basis = np.column_stack([np.ones(len(points)), away / distance[:, None]])
+        # As least squares above, but with the largest residual made least: the circle is moved
+        # until the widest and the narrowest radius, two of each, lie as near as they can. The
+        # problem is not convex, so the narrowest zone of all rounds counts, not that of the last.
         step, _ = minimax(basis, distance - nominal)
         centre = centre + step[1:]
         found = _circle(points, centre)
@@ -108,6 +111,7 @@ def minimum_zone(points: np.ndarray, nominal: float) -> Circle:
 
 def _circle(points: np.ndarray, centre: np.ndarray, radius: float | None = None) -> Circle:
     distance = np.linalg.norm(points - centre, axis=1)
+    # of a minimum zone the circle midway, of which both edges are as far
     middle = float((distance.max() + distance.min()) / 2) if radius is None else radius
     return Circle(centre, middle, float(np.ptp(distance)))
 
@@ -135,6 +139,8 @@ class Pair:
     def hysteresis(self) -> tuple[float, float]:
         """H, mm, and the angle, rad, where it is. The back run is interpolated at the angles of the
         forth run."""
+        # Both against the nominal centre as it was set up: moving it moves both alike, but not what
+        # differs between them. -1: where the other run has no sample H can not be.
         other = np.interp(self.forth.angle, self.back.angle, self.back.radial, period=2 * np.pi)
         apart = np.abs(self.forth.radial - other)
         if not (self.forth.full and self.back.full):
@@ -153,6 +159,7 @@ class Pair:
 
 def _covered(angle: np.ndarray, other: np.ndarray, gap: float) -> np.ndarray:
     """Which angles lie within the arc of the other run."""
+    # an arc as its middle and half its width: angles may run across 360 degrees
     middle = (other[0] + other[-1]) / 2
     away = (angle - middle + np.pi) % (2 * np.pi) - np.pi
     return np.abs(away) <= (other[-1] - other[0]) / 2 + gap
@@ -179,6 +186,8 @@ def trace(run: int, angle: np.ndarray, radial: np.ndarray, nominal: float) -> Tr
         cut = total + step - 2 * np.pi
         full = True
     else:
+        # From the last sample round to the first: up to one and a half steps it is a step like the
+        # others, and the circle is closed.
         closing = 2 * np.pi - total
         full = closing <= max(1.5 * step, np.radians(0.1))
     return Trace(run, way, turned, radial, nominal, full, gap, cut)

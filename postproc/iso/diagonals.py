@@ -44,6 +44,7 @@ def largest(tests: Mapping[str, Positioning]) -> tuple[dict[str, float | None], 
         found = {d: t.values[letter] for d, t in tests.items()}
         known = {d: v for d, v in found.items() if v is not None}
         values[name] = None
+        # one diagonal without a B could be the largest: then there is no largest
         if len(known) == len(found):
             which[name] = max(known, key=lambda d: known[d])
             values[name] = known[which[name]]

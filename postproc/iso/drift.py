@@ -68,6 +68,7 @@ def result_of(recording: Recording, options: Options) -> tuple[Drift, Result]:
     hours = (d.time[-1] - d.time[0]) / HOUR
     device = _device(recording, options)
     head = f"d{d.letter}" if d.spindle else f"ETVE_{d.letter}"
+    # a range is a difference of two readings: sqrt(2) u, and 2 for 95 %
     parameters = _parameters(d, head, hours, None if device is None else 2 * np.sqrt(2) * device)
     terms: tuple[Term, ...] = ()
     if device is not None:
@@ -125,6 +126,9 @@ def _noise(reading: np.ndarray) -> float:
     """mm, of one reading, by the differences of neighbours; 0 where there are too few."""
     if len(reading) <= 3:
         return 0.0
+    # The median size of a normal error is 0.6745 sigma, a difference of two has sqrt(2) sigma.
+    # Neighbours, since the drift itself is what the readings do over hours; the median, since a
+    # knock is no noise.
     return float(np.median(np.abs(np.diff(reading)))) / (0.6745 * np.sqrt(2))
 
 
@@ -132,6 +136,9 @@ def tilts_of(found: list[Drift], options: Options) -> list[Result]:
     """The tilt that two pickups of one direction tell, so far apart as their heads say."""
     out = []
     for one, other in itertools.combinations(found, 2):
+        #    nose |==o=======o==|      Two pickups along X at two places of Z: their difference by
+        #           one     other      the distance is a turn about Y. Its sign is left open, since
+        #                              a range has none.
         apart = other.arm - one.arm
         same = (one.letter, one.spindle, one.tool) == (other.letter, other.spindle, other.tool)
         if not same or not abs(apart) > SAME or (one.tool, one.letter) not in ABOUT:
@@ -140,6 +147,8 @@ def tilts_of(found: list[Drift], options: Options) -> list[Result]:
         time = one.time[(one.time >= low) & (one.time <= high)]
         if len(time) < 2:
             continue
+        # both were not read at the same moments: where they overlap, the other is taken between its
+        # readings
         angle = (
             np.interp(time, other.time, other.reading) - np.interp(time, one.time, one.reading)
         ) / apart
@@ -195,6 +204,8 @@ def _range(time: np.ndarray, reading: np.ndarray) -> tuple[float, str]:
 
 def _worst_hour(time: np.ndarray, reading: np.ndarray) -> tuple[float, str]:
     """mm, and from when: the largest range within any hour that begins at a reading."""
+    # The window begins at each reading and never lies between: a range is made by two readings, and
+    # the earlier one of the worst pair begins an hour that holds both.
     stop = np.searchsorted(time, time + HOUR, "right")
     ranges = np.array([np.ptp(reading[i:k]) for i, k in enumerate(stop)])
     worst = int(np.argmax(ranges))
@@ -214,6 +225,7 @@ def _temperatures(d: Drift) -> tuple[list[Parameter], list[str]]:
         known = np.isfinite(warm)
         spread = float(np.ptp(warm[known])) if known.sum() > 2 else 0.0
         if spread < 0.1:
+            # 0.1 K: below it the line would be laid through the steps of a thermometer
             still[name] = spread
             continue
         found = _per_kelvin(warm[known], d.reading[known])
@@ -248,6 +260,8 @@ def _per_kelvin(warm: np.ndarray, reading: np.ndarray) -> tuple[float, float, fl
         if count > len(warm):
             continue
         parts = np.array_split(np.arange(len(warm)), count)
+        # x, y: steps of temperature and of reading from the mean of one part of the time to that of
+        # the next. A mean has less of both noises than one reading, and all of the heat.
         x = np.diff([warm[p].mean() for p in parts])
         y = np.diff([reading[p].mean() for p in parts])
         square, free = float(x @ x), len(x) - 1
@@ -257,6 +271,7 @@ def _per_kelvin(warm: np.ndarray, reading: np.ndarray) -> tuple[float, float, fl
         slope = float(x @ y) / square
         left, total = y - slope * x, float(y @ y)
         share = max(0.0, 1 - float(left @ left) / total) if total > 0 else 0.0
+        # errors in variables: the slope comes out as (square - error) / square of what it is
         small = abs(slope) * error / (square - error)
         return (
             slope,
@@ -271,6 +286,8 @@ def _error(warm: np.ndarray, number: float) -> float:
     """K^2: variance of the mean of so many readings of a thermometer: of its steps (the smallest
     one seen; rounding does not become less by reading the same step again), and of its noise by
     what three readings in a row differ from a line."""
+    # Rounding to a step spreads evenly over it: step**2 / 12. A second difference a - 2 b + c of
+    # three equal variances has 1 + 4 + 1 of them, and no part of a steady rise: hence the 6.
     steps = np.diff(np.unique(np.round(warm, 6)))
     bent = np.diff(warm, 2)
     noise = float(bent @ bent) / (6 * len(bent)) if len(bent) else 0.0

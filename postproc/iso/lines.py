@@ -36,6 +36,8 @@ def reference(kind: str, x: np.ndarray, y: np.ndarray) -> Line:
     least-squares: smallest sum of squares; minimum-zone: the middle of the narrowest pair of
     parallels that holds all points (distances along y).
     """
+    # in the middle, so that offset and slope are found apart: far from zero they would cancel
+    # digits
     origin = float((x.min() + x.max()) / 2)
     if np.ptp(x) == 0:
         return Line(
@@ -58,4 +60,5 @@ def reference(kind: str, x: np.ndarray, y: np.ndarray) -> Line:
 def straightness_error(kind: str, x: np.ndarray, y: np.ndarray) -> float:
     """mm: width of the zone about the reference line, ISO 230-1."""
     left = y - reference(kind, x, y).value(x)
+    # the line itself is in the zone, where all points lie on one side of it
     return float(max(left.max(), 0.0) + max(-left.min(), 0.0))

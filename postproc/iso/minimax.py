@@ -35,6 +35,8 @@ def minimax(basis: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, float]:
     if scale == 0:
         return first / np.where(size == 0, 1.0, size), 0.0
     y = left / scale
+    #    minimise h   with    one c - h <=  y          unknowns: c (p,), then h
+    #                        -one c - h <= -y
     ends = np.vstack(
         [np.hstack([one, -np.ones((count, 1))]), np.hstack([-one, -np.ones((count, 1))])]
     )
@@ -46,6 +48,9 @@ def minimax(basis: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, float]:
         raise ValueError(f"the points do not determine the fit: {found.message}")
     steps = [found.x[:p]]
     weight = -found.ineqlin.marginals
+    # The p + 1 points that touch +-h decide c and h: solved as equations they are exact, which
+    # HiGHS's own answer is to 1e-7. Where more points touch (equal readings) the equations may be
+    # singular, and its answer is kept; of both the better one is taken.
     carry = np.flatnonzero(weight > WEIGHT * weight.max())
     if len(carry) == p + 1 and np.linalg.matrix_rank(ends[carry]) == p + 1:
         steps.append(np.linalg.solve(ends[carry], np.concatenate([y, -y])[carry])[:p])

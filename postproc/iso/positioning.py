@@ -133,6 +133,8 @@ def targets_of(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(m,) targets, ascending, and (N,) the target of every reading."""
     order = np.argsort(position, kind="stable")
     index = np.empty(len(position), np.int64)
+    # Sorted positions with a gap above SAME between them are two targets: recorded places of one
+    # target differ by what the axis' own display does. A target's place is their mean.
     index[order] = np.cumsum(np.diff(position[order], prepend=-np.inf) > SAME) - 1
     return np.bincount(index, position) / np.bincount(index), index
 
@@ -157,6 +159,7 @@ def evaluate(
     run = np.ones(len(position)) if run is None else run[used]
     target, index = targets_of(position)
     m = len(target)
+    # one number for target and direction: 0 .. m - 1 approached in +, m .. 2 m - 1 in -
     cell = index + np.where(approach > 0, 0, m)
     n = np.bincount(cell, minlength=2 * m)
     zero = float(reading.mean())  # squares of what is left lose no digits
@@ -164,6 +167,7 @@ def evaluate(
         mean = np.bincount(cell, reading - zero, 2 * m) / n
         s = np.sqrt(np.bincount(cell, (reading - zero - mean[cell]) ** 2, 2 * m) / (n - 1))
     long = not rotary and float(np.ptp(target)) > LONG
+    # one run has no scatter, which is not the same as a scatter of zero
     s[(n < 2) | long] = np.nan
     mean[n == 0] = np.nan
     return Positioning(
@@ -191,6 +195,8 @@ def aliases(target: np.ndarray, lead: float) -> list[tuple[int, str]]:
     out = []
     step = spacing(target)
     for k in range(1, 5):
+        # Each target as the hand of a clock at its phase of the period: hands that all point one
+        # way have a mean of length 1, hands all round the clock one near 0.
         alike = abs(np.exp(2j * np.pi * k * target / lead).mean())
         if alike > 0.99:
             out.append((k, "invisible: all targets lie at the same phase"))
@@ -199,6 +205,10 @@ def aliases(target: np.ndarray, lead: float) -> list[tuple[int, str]]:
             continue
         turns = step * k / lead
         part = abs(turns - round(turns))
+        # Phase runs on by `part` of a turn from target to target: less than half a turn over all of
+        # them is no wave any more, half a turn from one to the next a zigzag, and above half a turn
+        # per target the shorter way round is what is seen: a wave that is not there (sampling
+        # theorem).
         if part * len(target) < 0.5:
             out.append((k, "nearly invisible: it looks like a slow drift along the axis"))
         elif abs(part - 0.5) < 0.02:

@@ -34,6 +34,7 @@ def as_json(results: Sequence[Result], left: Sequence[str] = ()) -> dict[str, An
 def decimals(result: Result) -> int:
     """One more digit than the noise has: 2 for a scatter of 0.3 um, 1 for 2 um."""
     noise = result.noise / scale(result)
+    # 1e-9: log10 of 0.1 may lie a hair below -1
     return min(MOST, max(0, 1 - math.floor(math.log10(noise) + 1e-9))) if noise > 0 else MOST
 
 
@@ -47,6 +48,7 @@ def number(value: float | None, digits: int) -> str:
     none."""
     if value is None or not math.isfinite(value):
         return "-"
+    # round(-0.001, 2) is -0.0, and -0.0 + 0.0 is 0.0: a sign of nothing would look measured
     return f"{round(value, digits) + 0.0:.{digits}f}"
 
 

@@ -71,6 +71,7 @@ def noise_of(s: np.ndarray, n: np.ndarray) -> Noise | None:
     if common > 0 and has.sum() > 1:
         statistic = bartlett(variance[has], dof[has], common)
         pooled = chi_squared_tail(max(statistic, 0.0), int(has.sum()) - 1) > DOUBT
+    # the common variance counts as if PRIOR further runs had shown it
     own = np.full(s.shape, common) if pooled else (dof * variance + PRIOR * common) / (dof + PRIOR)
     with np.errstate(divide="ignore"):
         u = np.where(n > 0, np.sqrt(own / np.maximum(n, 1)), np.nan)
@@ -83,6 +84,7 @@ def bartlett(variance: np.ndarray, dof: np.ndarray, common: float) -> float:
     """Bartlett's statistic of some cells with a common variance: chi-squared with one degree of
     freedom less than there are cells, where their differences are what chance makes."""
     # A floor keeps the logarithm of an s that the resolution made 0 from deciding the test.
+    # statistic: (N ln s2 - sum n_i ln s2_i) / C, with n_i degrees of freedom and N their sum
     logs = np.log(np.maximum(variance, 1e-2 * common))
     total = dof.sum()
     weight = 1 + (np.sum(1 / dof) - 1 / total) / (3 * (len(dof) - 1))
@@ -102,6 +104,9 @@ def largest_uncertainty(mean: np.ndarray, noise: Noise) -> float:
         return 0.0
     used = np.isfinite(mean)
     b, u, dof = mean[used], noise.u[0][used], noise.dof[0][used]
+    # No target differs from the others by more than chance: B is the same everywhere, so its
+    # largest is the largest of m draws about one value. Else every target that could be the largest
+    # stands at it.
     if (
         len(b) > 1
         and f_tail(float(b.var(ddof=1)) / float(np.mean(u**2)), len(b) - 1, _whole(dof, noise))
@@ -118,6 +123,8 @@ def largest_uncertainty(mean: np.ndarray, noise: Noise) -> float:
 
 def about(centre: np.ndarray, noise: Noise, statistic: Callable[[np.ndarray], np.ndarray]) -> float:
     """U of statistic(means) (draws,) about its value at `centre` (rows, m)."""
+    # How far the statistic of noisy means lies from that of the means without noise, either way: U
+    # is the half width that holds 95 % of it.
     spread = np.abs(statistic(centre + draws(noise)) - statistic(centre[None])[0])
     return float(np.quantile(spread, LEVEL))
 
@@ -144,6 +151,8 @@ def _inflate(normal: np.ndarray, dof: np.ndarray | float) -> np.ndarray:
     """sqrt(dof / chi-squared), chi-squared by Wilson and Hilferty's cube of a normal number (a few
     % off at 1, less at more)."""
     a = 2.0 / (9.0 * dof)
+    # chi-squared / dof is (1 - a + z sqrt(a))**3, and 1 / sqrt of it is the power -1.5. The floor
+    # keeps a z of -3 at one degree of freedom from the root of a negative number.
     return np.maximum(1.0 - a + normal * np.sqrt(a), 0.15) ** -1.5
 
 
@@ -158,11 +167,14 @@ def shared_ends(mean: np.ndarray, noise: Noise) -> np.ndarray:
     u2 = float(np.nanmean(noise.u**2))
     if rows:
         counts = [int(np.isfinite(mean[r]).sum()) for r in rows]
+        # Variance within the rows, as an analysis of variance has it, against what the runs'
+        # scatter makes of a mean: an F that chance makes says the means do not differ.
         within = sum(
             float(np.nanvar(mean[r])) * c for r, c in zip(rows, counts, strict=True)
         ) / sum(c - 1 for c in counts)
         if f_tail(within / u2, sum(counts) - len(rows), _whole(noise.dof, noise)) > DOUBT:
             level = np.where(np.isfinite(mean), np.nanmean(mean, axis=1, keepdims=True), np.nan)
+            # + and - may still differ, by a reversal: rows that do are level each by itself
             step = np.sqrt(2 * u2 / min(counts))
             return level if np.nanmax(level) - np.nanmin(level) > 2 * step else level * 0.0
     near = NEAR_RANGE * _difference(noise.u)

@@ -82,6 +82,8 @@ def from_runs(kind: str, test: Positioning, name: str) -> tuple[float, float] | 
         row = noise.part(slice(NAMES.index(name) - 1, NAMES.index(name)), used)
     if noise.s == 0:
         return 0.0, 0.0
+    # What is noise and what is shape is asked of the deviations from the line: on a tilted one the
+    # two ends would always be the extremes.
     line = reference(kind, x, y).value(x)
     centre = line + shared_ends((y - line)[None], row)[0]
     many = centre + draws(row)[:, 0]
@@ -110,6 +112,9 @@ def _narrowest(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     zones, slopes = [], []
     size = max(1, CELLS // (len(i) * len(x)))
     for part in (y[k : k + size] for k in range(0, len(y), size)):
+        #     --o---------o--      Two parallels that touch one point each can still be turned, and
+        #       :  .   .  :        one way makes them narrower. So one of them goes through two
+        #     ------o--------      points: all m (m - 1) / 2 slopes are tried, for every draw.
         slope = (part[:, j] - part[:, i]) / (x[j] - x[i])
         width = np.ptp(part[:, None, :] - slope[:, :, None] * x, axis=2)
         best = width.argmin(axis=1)
@@ -132,5 +137,9 @@ def squareness(
     rotation about Y tilts Z towards +X (ISO 841).
     """
     pair = "".join(sorted(first + second))
+    #       Y ^   / Y as it is     C0Y > 0 turns Y towards -X: the angle from X to Y grows.
+    #         |  /    (C0Y < 0)    B0Z > 0 turns Z towards +X: the angle between both shrinks. A
+    #         | /                  line with a slope towards the other axis closes the angle:
+    #         +-------> X          hence the minus of both.
     name, sign = SQUARENESS[pair]
     return name, -sign * (slope_first + slope_second)

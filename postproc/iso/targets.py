@@ -46,6 +46,8 @@ def result_of(motion: Motion, options: Options) -> Result:
     )  # fmt: skip
     angle = motion.recording.quantity == "angle"
     lengths = motion.test in ("positioning", "diagonal")
+    # Straightness is a range across the motion: lengths, and with them temperature and the cosine
+    # of the beam, have no part in it (length None); an angle likewise.
     names = frozenset(n for n, v in test.values.items() if v is not None) | frozenset(NAMES)
     length = test.length if lengths else None
     terms = terms_of(options.budget, motion.recording.u, length, names, test.runs < 2, angle)
@@ -143,6 +145,9 @@ def _targets(motion: Motion, test: Positioning, options: Options) -> list[str]:
         )
     if motion.test != "positioning":
         return out
+    #    targets, a pitch apart      o       o       o
+    #    error of that period      /\/   /\/   /\/       the same phase at each: a constant
+    # Hence targets at unequal parts of the pitch (ISO 230-2), and a word where they are not.
     step = positioning.spacing(test.target)
     if (lead := options.leads.get(motion.axes, options.leads.get(""))) is not None:
         found = positioning.aliases(test.target, lead)
@@ -173,6 +178,7 @@ def _least(motion: Motion, test: Positioning) -> int:
     if motion.test == "rotary":
         return 3 if test.length <= 90 else 5 if test.length <= 180 else 8
     if test.long:
+        # beyond 2 m a target each 250 mm, below it five a metre, five at least (ISO 230-2)
         return math.floor(test.length / 250) + 1
     return max(5, math.ceil(5 * test.length / 1000 - 1e-9))
 
@@ -184,6 +190,8 @@ def _noise(motion: Motion, s: float) -> float:
         return s
     if motion.recording.u:
         return motion.recording.u
+    # Without runs and without a stated u the digits end where the instrument's own end. Below 1e-9
+    # mm two readings differ by the rounding of their units alone.
     different = np.diff(np.unique(motion.reading))
     different = different[different > 1e-9]
     return float(different.min()) if len(different) else UM
@@ -218,6 +226,7 @@ def diagonals_of(found: list[tuple[Motion, Result]]) -> list[Result]:
         tests: dict[str, Positioning] = {}
         for motion, result in members:
             name = motion.subject
+            # the same diagonal measured twice stays two: the largest of them all is asked for
             while name in tests:
                 name += f" ({motion.recording.file})"
             tests[name] = result.detail
@@ -266,6 +275,8 @@ def _by_diagonal(tests: dict[str, Positioning]) -> dict[str, list[Any]]:
 
 def squareness_of(found: list[tuple[Motion, Result]], options: Options) -> list[Result]:
     """The squareness of every pair of axes of which each was read along the other."""
+    # EYX and EXY: two straightnesses against one square tell the angle between its axes; a rotary
+    # motion, or one that is read along another axis, has no partner.
     linear = [(m, r) for m, r in found if m.axes in LINEAR and m.across in LINEAR]
     return [
         _square_of((one, two), (first, second), options)
@@ -289,6 +300,9 @@ def _of_square(name: str, stated: float | None, results: tuple[Result, Result]) 
         yield Term("square", stated, of, "stated, of the square itself")
     for result in results:
         for device in [t for t in result.terms if t.name == "device"][:1]:
+            # The two ends of the line, each read with u, over the length between them: the slope of
+            # an end-point line. A line through more targets is known better, so this is on the safe
+            # side.
             u = device.u / result.detail.test.length
             yield Term(f"device, {result.subject}", u, of, "of the ends of the line")
 

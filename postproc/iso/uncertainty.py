@@ -75,6 +75,7 @@ def terms_of(
 def _of_length(stated: Stated, length: float, of: frozenset[str]) -> Iterator[Term]:
     """Cosine error, temperature and expansion over a length in mm."""
     if stated.misalignment is not None:
+        # a beam beside the axis by this angle reads L cos(angle)
         short = length * (1 - math.cos(stated.misalignment))
         yield Term(
             "misalignment",
@@ -122,6 +123,8 @@ def combined(parameter: Parameter, terms: tuple[Term, ...], runs: float | None) 
     None where nothing is known, or the parameter is not defined."""
     if parameter.value is None:
         return parameter
+    # `runs` holds Student's t or a drawn quantile already: it is no standard uncertainty that could
+    # be doubled, so expanded parts are summed (at many runs both are the same).
     parts = [2 * t.u for t in terms if parameter.name in t.of] + ([] if runs is None else [runs])
     return replace(parameter, U=math.sqrt(sum(p * p for p in parts)) if parts else None, runs=runs)
 
@@ -145,6 +148,7 @@ def of_positioning(test: Positioning) -> dict[str, float]:
     if test.two_way:
         out["E"] = range_uncertainty(test.mean, noise)
         if test.both.any():
+            # B is a difference of two means, M their mean: u of both by one root, times 1 or a half
             mixed = noise.of_two(1.0)
             out["B"] = largest_uncertainty(test.reversal, mixed)
             u = float(np.sqrt(np.nansum(mixed.u[0] ** 2))) / int(test.both.sum())
@@ -175,6 +179,9 @@ def _of_s(test: Positioning, name: str) -> float:
     which, i = np.unravel_index(np.nanargmax(test.repeatability), test.repeatability.shape)
     if which < 2:
         return 2 * 4 * math.sqrt(of_s[which, i])
+    # R is either 4 s of one cloud or the span of both; each has the variance of what it is made of:
+    #     4 s                      16 var(s)
+    #     2 s+ + 2 s- + |B|        4 var(s+) + 4 var(s-) + var(mean+) + var(mean-)
     if 4 * s[:, i].max() >= test.repeatability[2, i]:
         return 2 * 4 * math.sqrt(of_s[np.argmax(s[:, i]), i])
     return 2 * math.sqrt(float((of_mean[:, i] + 4 * of_s[:, i]).sum()))
