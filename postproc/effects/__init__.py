@@ -137,6 +137,7 @@ def along(axis: str, *values: np.ndarray) -> np.ndarray:
 
 def first_timed(state: State) -> int:
     """The first row of the recordings whose times were recorded; in the others all are zero."""
+    # of one that was not timed the first row would stand for the beginning of all
     timed = state.time != 0
     if len(state.file) == len(timed):
         timed = np.isin(state.file, state.file[timed])
@@ -154,6 +155,7 @@ def temperature_rise(state: State, axis: str, tau_s: float, by_travel: float = 0
             -np.maximum(state.time - state.time[first_timed(state)], 0.0) / max(tau_s, 1.0)
         )
     heat = low_pass(state, travel_speed(state, axis), max(tau_s, 1.0))
+    # of the largest, so that the size is what the screw grew at its hottest
     return heat / max(float(heat.max(initial=0.0)), 1e-12)
 
 
@@ -162,6 +164,7 @@ def travel_speed(state: State, axis: str) -> np.ndarray:
     order = np.argsort(state.time, kind="stable")
     t, p = state.time[order], state.position[axis][order]
     rate = np.zeros(len(t))
+    # a rapid between two targets: no faster than FASTEST, however coarse the times are
     rate[1:] = np.abs(np.diff(p)) / np.maximum(np.diff(t), 1e-3)
     result = np.empty(len(t))
     result[order] = np.minimum(rate, FASTEST)
@@ -207,6 +210,8 @@ def recurrence(kept: np.ndarray, added: np.ndarray) -> np.ndarray:
     doubling (Hillis and Steele, Communications of the ACM 29, 1986, 1170): after each pass the
     steps are twice as long."""
     kept, x, far = kept.copy(), added.copy(), 1
+    # x[k] = kept[k] x[k-1] + added[k]: two steps in a row are again such a step, with the product
+    # of both `kept`. After log2 N passes every x counts from the beginning.
     while far < len(x):
         x[far:] += kept[far:] * x[:-far]
         kept[far:] = kept[far:] * kept[:-far]
@@ -231,6 +236,7 @@ def reversal_memory(
 
     def note(a: int, b: int) -> None:
         nonlocal result
+        # rows of a column:  first * ENDLESS | turns[1] - turns[0] | ... | place - turns[-1] | 0
         depth = len(turns) + 1
         if depth > len(result):
             result = np.concatenate([result, np.zeros((depth - len(result), len(place)))])
@@ -243,6 +249,10 @@ def reversal_memory(
     side = first
     for k in range(len(begin) + 1):
         a, b = (int(begin[k - 1]) if k else 0), (int(begin[k]) if k < len(begin) else len(place))
+        #    ^      2               It turned at 1, 2, 3 and goes up again (side +1). Where it
+        #    |     / \   /          passes 2 the way to 3 and back is as good as never travelled:
+        #    |    /   \ /           the last two turns are forgotten, and it goes on as on the way
+        #    |   1     3            that led to 2.
         while a < b and len(turns) > 1:
             passed = np.flatnonzero(side * (place[a:b] - turns[-2]) >= 0)
             if not len(passed):
@@ -279,6 +289,7 @@ def lost_motion_share(state: State, axis: str, play_mm: float) -> np.ndarray:
     near = state.distance.get(axis)
     if play_mm <= 0 or near is None:
         return np.ones(len(state))
+    # at the turn still on the old side (-1), halfway in the middle, behind the play on the new one
     return np.clip(2 * near / play_mm - 1, -1.0, 1.0)
 
 
@@ -292,6 +303,8 @@ def waves_of(state: State, name: str, per_unit: float) -> list[np.ndarray]:
     that are means of samples show them: the samples of an instrument are moments, so waves shorter
     than their distance are in a mean too."""
     own = state.time if name == "time" else state.position[name]
+    # A row that averages samples shows a wave by its mean over them, smaller than the wave itself;
+    # (W, N) places, one row of places where nothing was averaged.
     angle = 2 * np.pi * per_unit * state.inside.get(name, own[None])
     parts = np.array_split(angle, 1 + angle.size // AT_ONCE, axis=1)
     waves = [[np.nanmean(wave(part), axis=0) for part in parts] for wave in (np.cos, np.sin)]

@@ -30,6 +30,7 @@ def by_name(
         )
         for n in parameters
     ]
+    # bound by the parameters' own names: a missing or misspelt one is a TypeError, not a size of 0
     signature = inspect.Signature(kinds)
 
     def fitted(whole: dict[str, float]) -> Sequence[str]:

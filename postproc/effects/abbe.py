@@ -96,11 +96,14 @@ def columns(
     if of_file:
         return _missing(state, axis, turn, of_file, degree)
     turned, reach = np.zeros((3, len(state))), np.zeros((3, len(state)))
+    # an angular instrument reads the rotation itself, whatever the arm: its rows have none
     reach[int(arm)] = 1.0 if not len(state.turned) else ~state.turned
     if known:
         turned[int(turn)] = state.angles[axis][int(turn)]
         return np.cross(turned, reach, axis=0)[None]
     out = (
+        # urad times mm is 1e-3 um. Zero at zero_mm: what the rotation does there is in the axis'
+        # own curve, and from one line alone the two can not be told apart.
         _sense(axis, turn, arm) * (state.position[XYZ[int(arm)]] - zero_mm) * 1e-3 * reach[int(arm)]
     )
     return along(axis, *(out * legendre(state.share(axis), k) for k in DEGREES[: int(degree)]))
@@ -112,12 +115,14 @@ def _missing(state: State, axis: str, turn: float, of_file: float, degree: float
     if axis not in state.arms:
         raise KeyError(f"the arm of {axis}")
     unit = np.zeros((3, len(state)))
+    # 1e-6: one urad in rad
     unit[int(turn)] = UM**2
     own = np.zeros_like(unit)
     if of_file == BUT_OWN:
         own[XYZ.index(axis)] = state.position[axis]
     moved = np.cross(unit, state.arms[axis] - own, axis=0)
     if len(state.turned):
+        # rad, not mm: that is what these rows read
         moved[:, state.turned] = unit[:, state.turned]
     return np.stack([moved * legendre(state.share(axis), k) for k in DEGREES[: int(degree)]])
 
@@ -165,6 +170,9 @@ def arm_tables(
     value, turn = turned_urad * UM**2, int(named["turn"])
     found = [(f"E{'ABC'[turn]}", axis, nodes, value, value)]
     if named["of_file"] == BUT_OWN and turn != XYZ.index(axis):
+        # The chain (machine/chain.py) multiplies the rotation by the whole arm, the axis' own
+        # position in it. Where straightness was measured at the tool it must not: what the own
+        # position does acts along the third direction, and is taken away there.
         across = 3 - turn - XYZ.index(axis)
         own = -_sense(XYZ[across], turn, XYZ.index(axis)) * value * nodes
         found.append((f"E{XYZ[across]}", axis, nodes, own, own))

@@ -59,6 +59,9 @@ def _push(state: State, axis: str) -> np.ndarray:
 def columns(
     state: State, axis: str, play_mm: float = 0.0, around: float = 0.0, pushed: float = 0.0
 ) -> np.ndarray:
+    #         |<--- size --->|
+    #    ---->o      |       o<----     approached in + it stops half of the size short of the
+    #              command              command, in - half of it above: their mean is the command
     lag = -state.approach[axis] / 2 * lost_motion_share(state, axis, play_mm)
     if around:
         lag = np.where(_bosses(state), -lag, lag)

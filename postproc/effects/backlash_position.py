@@ -106,6 +106,8 @@ def columns(
     half = -state.approach[axis] / 2 * lost_motion_share(state, axis, play_mm)
     curves = [half * legendre(u, k) for k in range(int(degree) + 1)]
     if wide_mm > 0:
+        # In + approach is +1 and half -1/2. A flank that carries in + alone moves all of the wear
+        # to that side (-1 there, 0 in -); one that carries in - has 0 and +1.
         half = half - flank / 2
         curves.append(half * _worn(state.position[axis] - state.travel[axis][0], worn_mm, wide_mm))
     return along(axis, *curves)
@@ -168,5 +170,6 @@ def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table
     )
     shares = shares[:-1] if wide > 0 else shares
     half = sum((c * legendre(u, k) for k, c in enumerate(shares)), np.zeros(len(u))) * UM / 2
+    # both are sizes: approached in + it stops short, which is below zero
     forward, reverse = (half + worn * UM / 2 * (1.0 + s * shape["flank"]) for s in (1.0, -1.0))
     return [(f"E{axis}", axis, nodes, -forward, reverse)]

@@ -36,6 +36,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 def columns(state: State, axis: str, across: float, degree: float = 3.0) -> np.ndarray:
     u, way = state.share(axis), XYZ[int(across)]
+    # from the second on: a constant is the zero, a line the alignment or the squareness
     return along(way, *(legendre(u, d) for d in range(2, int(degree) + 1)))
 
 

@@ -79,11 +79,16 @@ def columns(
         own = state.file == file
         elapsed[own] -= state.time[own].min()
     if every_s > 0:
+        #    late ^   /|   /|   /|      a saw-tooth: `gone` says where in it the recording begins
+        #         | /  | /  | /  |
+        #         +----+----+----+-->  every_s
         times = elapsed / every_s + gone
         # what is never set right in a recording is a rate and a delay
         elapsed = every_s * (times % 1.0) * bool(times.max(initial=0.0) >= 1.0)
     powers = [elapsed, elapsed**2] if drifts else [elapsed]
     return sum(
+        # us times mm/s is 1e-3 um. What is recorded late stands where the axis was before: behind,
+        # against the speed.
         (along(x, *(-v * p * 1e-3 for p in powers)) for x, v in state.velocity.items()),
         np.zeros((len(powers), 3, len(state))),
     )

@@ -72,6 +72,7 @@ def columns(
     released: float = 0.0,
     stribeck_mm_s: float = 0.0,
 ) -> np.ndarray:
+    # at rest: none (the loop lets go), or that of the last motion (it holds)
     side = np.sign(state.velocity[axis]) if released else state.approach[axis]
     side = side * lost_motion_share(state, axis, play_mm)
     if settle_ms > 0:

@@ -102,6 +102,7 @@ def columns(
     if second:
         found += waves_of(state, axis, 2 / period_mm)
     if grows:
+        # share: -1 at the low end, +1 at the high one, so that amplitude_um is that of the middle
         found += [state.share(axis) * wave for wave in waves]
     if sided:
         found += [state.approach[axis] * wave for wave in waves]
@@ -146,6 +147,8 @@ def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table
     1 % of the amplitude."""
     value, shape = coefficients(**named)
     finest = shape["period_mm"] / (2 if shape.get("second") else 1)
+    # A chord of 1 / 24 of a period misses a cosine by 1 - cos(pi / 24) = 0.9 % of its amplitude.
+    # 200,000 nodes: 8 m of travel at the finest lead of 1 mm.
     number = min(int(np.ceil((travel[1] - travel[0]) / finest * 24)) + 1, 200_000)
     nodes = np.linspace(*travel, number)
     errors = []

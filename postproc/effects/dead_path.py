@@ -48,6 +48,7 @@ def columns(
     own = (state.file == file) | (file < 0)
     changed = air - air[first_timed(state)]
     if late_s > 0:
+        # a sensor that follows late has compensated for what it shows: the rest is left
         changed = changed - low_pass(state, changed, late_s)
     found = [changed * own]
     if pressure:

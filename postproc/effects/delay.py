@@ -20,6 +20,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def columns(state: State, axis: str) -> np.ndarray:
+    # ms times mm/s is um: what is read late was read where the axis had not yet come
     return sum((along(x, -v) for x, v in state.velocity.items()), np.zeros((1, 3, len(state))))
 
 

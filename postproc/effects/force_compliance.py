@@ -55,6 +55,7 @@ def columns(
     state: State, axis: str, power: float = 1.0, usual_N: float = 1.0, by: float = 0.0
 ) -> np.ndarray:
     load = _load(state, axis, by)
+    # the power is taken of load / usual, so that the size stays um per N at the usual load
     return along(axis, np.sign(load) * usual_N * (np.abs(load) / usual_N) ** power)
 
 

@@ -90,6 +90,8 @@ def columns(
     v = state.velocity[axis] / 100.0
     if tau_ms <= 0 and power != 1.0:
         v = np.sign(v) * np.abs(v) ** power
+    # Even and odd parts: what goes with the direction (s, v) is friction alike both ways, what does
+    # not (1, |v|) is what differs between them.
     # how much more it lags in one direction whatever its speed is an unknown zero
     lags = (np.sign(v), np.sign(np.abs(v))) if released else (s * sampled(state), v, np.abs(v))
     if tau_ms <= 0:

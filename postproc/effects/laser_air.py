@@ -82,7 +82,10 @@ def columns(state: State, axis: str, told: float = 0.0, by: float = 1.0) -> np.n
     if by < 0:
         lit = _lit(state)[: int(-by)]
         found += [_since(state, state.time / 3600.0, file) for file in lit]
+        # a rate that a recording without light has: no column may be missing, as coefficients count
+        # them
         found += [np.zeros(len(state))] * (int(-by) - len(lit))
+    # ppm of the beam's length, mm: the reading, not the tool, is off
     beam = light(state) * 1e-6
     return np.stack([v * beam for v in found] + ([beam] if told else []))
 

@@ -47,6 +47,8 @@ def degrees(degree: float) -> range:
 def columns(
     state: State, axis: str, degree: float, from_mm: float = 0.0, to_mm: float = 0.0
 ) -> np.ndarray:
+    # Legendre polynomials, not powers: over evenly spread targets they hardly depend on each other,
+    # so a further degree changes little of those before it.
     u = place_in(state.position[axis], state.travel[axis], from_mm, to_mm)
     return along(axis, *(legendre(u, k) for k in degrees(degree)))
 

@@ -63,6 +63,7 @@ def of_loop(
 ) -> tuple[np.ndarray, np.ndarray]:
     """(N,) what a loop leaves of a friction of 1 that turns round over a way, and the same as it
     rises when the loop is of the second order."""
+    # friction turns round over the way, from -1/2 of its new side to +1/2
     turned = -np.expm1(-np.minimum(state.distance[axis] / length_mm, 50.0)) - 0.5
     friction = state.approach[axis] * turned
     left = friction - followed(state, friction, tau_ms * 1e-3)
@@ -79,6 +80,10 @@ def columns(
         q = np.minimum(state.distance[axis] / length_mm, 50.0)
         fade = np.exp(-q) * state.approach[axis]
         return along(axis, -fade, -q * fade)
+    #    off ^          .             -(size + slope q) exp(-q), q = time since the turn / tau: a
+    #        |         : '.           jump that fades (size), and one that rises first (slope);
+    #        +---------:----'---> t   against the new direction, since it sticks
+    #                 turn
     q = np.minimum(state.since[axis] / (tau_ms * 1e-3), 50.0)
     fade = np.where(state.velocity[axis] != 0, np.exp(-q), 0.0) * state.approach[axis]
     if rebounds:

@@ -135,6 +135,9 @@ def columns(
         bent = _held(reach, free_end, propped, begins, ram) if beam < 0 else np.zeros(len(reach))
         return towards(XYZ[int(along)], heavy * bent)
     place = (state.share(other) + 1) / 2
+    #     rail ----o----- rail      share w of the load on one, 1 - w on the other; each sinks by
+    #          1 - w   w            its share, and the carriage sees w of the one and 1 - w of the
+    #                               other: w**2 + (1 - w)**2
     cross = _cross(rails)
     if cross in state.position:
         heavy = heavy * _shared((state.share(cross) + 1) / 2)
@@ -165,6 +168,9 @@ def _held(
     travel, 0 to 1; 1 where it gives most."""
     if not free_end:
         return (4.0 * reach * (1.0 - reach)) ** 3
+    #    clamped   #------m---o  free     s from the clamped end; free_end -1: the other way round
+    #    propped   #------m---^
+    #    begins:   where on the travel, 0 to 1, the mass leaves the support; below 0: before it
     if propped:
         s = reach if free_end > 0 else 1.0 - reach
         return s**3 * (1.0 - s) ** 2 * (4.0 - s) / PROPPED
@@ -179,6 +185,7 @@ def _bent(mass: np.ndarray, place: np.ndarray, beam: float, overhang: float) -> 
         return _held(mass) * place
     a, s = ((overhang + u) / (1 + 2 * overhang) for u in (mass, place))
     bent = np.zeros(np.broadcast_shapes(np.shape(a), np.shape(s)))
+    # the fifth wave is 1/625 of the first
     for n in range(1, 5):
         bent -= np.sin(n * np.pi * a) * np.sin(n * np.pi * s) / n**4
     return bent
@@ -194,6 +201,7 @@ def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float) -> 
     alone = other == axis or named["beam"] < 0
     if not (other or alone):
         return []
+    # alike wherever the second axis stands: two nodes with one value
     few = 2 if alone and named["rails"] < 0 else NODES
     share, across = np.linspace(0.0, 1.0, NODES)[:, None], np.linspace(0.0, 1.0, few)[None]
     if other and other != axis:

@@ -29,6 +29,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def columns(state: State, axis: str) -> np.ndarray:
+    # ppm times mm is 1e-3 um
     return along(axis, state.position[axis] * 1e-3)
 
 

@@ -135,9 +135,14 @@ def columns(
     heat = temperature_rise(state, axis, tau_s, by_travel)
     if end := max(until_s, to_s):
         gone = state.time - state.time[first_timed(state)]
+        #    heat ^       .-.            comes from from_s to `end`, and goes from there on,
+        #         |     .'   '.          with the same time constant
+        #         | __.'       '-.__
+        #           from_s  end         t
         heated = np.clip(gone, from_s, end) - from_s
         cooled = np.maximum(gone - end, 0.0)
         heat = -np.expm1(-heated / tau_s) * np.exp(-cooled / tau_s)
+    # mm times ppm is 1e-3 um; the screw grows from where it is held, to both sides
     place = (state.position[axis] - held_at_mm) * 1e-3
     return along(axis, heat * place, *([heat] if free else []), *([place] if warm else []))
 

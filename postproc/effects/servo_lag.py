@@ -38,6 +38,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def columns(state: State, axis: str, settle_ms: float = 0.0) -> np.ndarray:
+    # ms times mm/s is um; behind: against the speed
     speed = state.velocity[axis]
     return along(axis, -(followed(state, speed, settle_ms * 1e-3) if settle_ms > 0 else speed))
 

@@ -42,6 +42,7 @@ def columns(state: State, axis: str, unequal: float = 0.0, settle_ms: float = 0.
     if settle_ms > 0:
         speeds = (followed(state, v, settle_ms * 1e-3) for v in speeds)
     first, second = (along(x, -v) for x, v in zip(axis, speeds, strict=True))
+    # + half of the difference of the first, - half of the second: their mean is no part of it
     half = (first - second) / 2
     return np.concatenate([half, first + second]) if unequal else half
 

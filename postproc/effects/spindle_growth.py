@@ -69,6 +69,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     powers = (1.0, 5 / 3) if several else (1.0,)
     ways = [(v, h, p) for v in grid(300.0, 4800.0, 4) for h in (0.0, LATER * v) for p in powers]
     if state.channel(*PLACES) is not None:
+        # tau 0: a thermometer knows the lag, no time constant is looked for
         ways.append((0.0, 0.0, 1.0))
     return [
         {"tau_s": v, "housing_s": h, "shift": shift, "power": p, "fastest_rpm": fastest}
@@ -95,6 +96,7 @@ def columns(
 ) -> np.ndarray:
     rpm = state.channels["spindle_rpm"]
     share = np.abs(rpm) / max(fastest_rpm, 1.0)
+    # the press of the balls is there with the speed, and goes with it; no lag
     at_once = [share**2] if shift else []
     if tau_s == 0:
         head = state.channel(*PLACES)
@@ -167,6 +169,10 @@ def _lag(
     above, first = level - heat, exp(-gone / tau_s)
     if housing > 0:
         second = exp(-gone / housing)
+        #    heat --> [ spindle, tau ] -- level --> [ housing, h ] -- slow
+        # slow' = (slow - level) / -h with level = heat + above exp(-t / tau): the particular
+        # solution has the factor tau / (tau - h), which is why equal time constants are kept apart
+        # (`apart`).
         through = above * tau_s / (tau_s - housing) * (first - second)
         slow = heat + through + (slow - heat) * second
     return heat + above * first, slow

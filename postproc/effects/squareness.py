@@ -63,6 +63,10 @@ def _axes(axis: str, leans: float) -> tuple[str, str]:
 
 def columns(state: State, axis: str, leans: float = 0.0, turns: float = 0.0) -> np.ndarray:
     first, second = _axes(axis, leans)
+    #    Y ^   / urad < 0      More than a right angle leans towards - of the first axis: at the
+    #      |  /               place y of the second it is off by -urad * y, um of 1e-3 urad mm.
+    #      | /
+    #      +------> X
     way = -state.position[second] * 1e-3
     if not turns:
         return along(first, way)

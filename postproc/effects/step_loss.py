@@ -53,6 +53,7 @@ def sensible(
     one_way = np.abs(np.sign(jumps).sum(axis=0)) == there.sum(axis=0)
     smallest = np.where(there, np.abs(jumps), np.inf).min(axis=0)
     largest = np.abs(jumps).max(axis=0)
+    # beside a jump that is clearly no instrument's, smaller ones of the same kind are believed
     enough = np.minimum(SMALLEST, SHARE * largest)
     return np.asarray(one_way & (largest >= SMALLEST) & (smallest >= enough))
 

@@ -90,9 +90,11 @@ def _since_slip(
         return state.slipped[axis]
     low, high = state.travel[axis]
     since = state.distance.get(axis, np.full(len(state), ENDLESS))
+    # without a turn before it a motion is taken to have come from the end of the travel
     from_end = np.where(state.approach[axis] < 0, high, low)
     way = np.where(since < ENDLESS, since, np.abs(state.position[axis] - from_end))
     number = int(way.max(initial=0.0) / (SHORTEST * period_mm)) + 2
+    # a fixed seed: the same parameters give the same cycles in every run
     drawn = 1 + scatter * np.random.default_rng(SEED).standard_normal(number)
     ends = np.cumsum(period_mm * np.maximum(drawn, SHORTEST))
     last = np.concatenate([[0.0], ends])[np.searchsorted(ends, way, side="right")]
@@ -136,6 +138,11 @@ def columns(
         return along(axis, np.where(known, sawtooth, 0.0) * lag, lag)
     creep = np.flatnonzero(lag)
     driven_on = np.abs(state.velocity[axis][creep]) * slip_ms * 1e-3
+    #    lag ^    /|    /|       the drive goes on by period_mm while the slide sticks (1 - 0), and
+    #        |  /  |  /  |       by driven_on while it slips (its height falls back in a line)
+    #        |/    |/    |
+    #        +-----+-----+---> way since the turn
+    #          period driven_on
     way = ways(state, axis)[:, creep] % (period_mm + driven_on)
     height = way / period_mm
     if slip_ms:

@@ -94,6 +94,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     if 0 < lasts < SHORTEST:
         return []
     taus = [share * lasts for share in TAUS if share * lasts > QUICKEST]
+    # 1e6 s, longer than any test: heat that has only begun to come, a line
     ways += [(v, b, -1.0) for b in begins for v in (*taus, 1e6)]
     ways += [(1e6, -1.0, float(f)) for f in files if len(files) > 1]
     found = [NONE | {"tau_s": tau, "from_s": begin, "file": file} for tau, begin, file in ways]
@@ -124,6 +125,7 @@ def columns(
     if file >= 0:
         own = state.file == file
         t = state.time[own]
+        # parts have no times: their numbers stand for them, in equal steps
         if not np.ptp(t):  # parts that were turned one after the other
             t = np.where(_turned(state)[own], state.channels.get("part", state.time)[own], np.nan)
         gone = np.zeros(len(own))
@@ -140,6 +142,8 @@ def columns(
     gone = np.maximum(state.time - (state.time[first_timed(state)] if from_s < 0 else from_s), 0.0)
     if creep:
         return along(axis, np.log1p(gone / tau) / np.log1p(max(float(gone.max()), 1.0) / tau))
+    # Divided by its value at the end, so that the size is um at the end whatever the time constant:
+    # of 1e6 s it is a straight line.
     end = max(float(gone.max()), 1.0)
     taus = (tau, back_s) if back_s > 0 else (tau,)
     return along(axis, *((1.0 - np.exp(-gone / t)) / (1.0 - np.exp(-end / t)) for t in taus))

@@ -34,6 +34,8 @@ def columns(state: State, axis: str, change: float = 0.0, bores: float = 1.0) ->
     same by the tool's nose."""
     walls = state.channels["material"].copy()
     turned = (walls == 0) & (state.channels.get("wall", walls) != 0)
+    # material: +1 of a pocket or bore, -1 of a boss, whose size grows or shrinks by half a diameter
+    # at each wall. A turned size is read as twice the slide, of which the nose asks half.
     walls[turned] = np.where(state.channels.get("bore", walls)[turned] > 0, 0.5, -0.5)
     if not bores:
         walls[state.channels.get("hole", np.zeros(len(walls))) > 0] = 0.0

@@ -122,6 +122,7 @@ def columns(
     if life > 0 and axis:
         age, quick, old = _of_runs(state, life)
         return along(axis, age, quick, old) if older else along(axis, age, quick)
+    # the same in every direction, of which a row reads that of its wall
     if not axis:  # of all axes alike: an edge that cuts on all sides
         each = [
             columns(state, x, change, bores, life, older, cut, every, file) for x in state.position
@@ -136,6 +137,11 @@ def columns(
         new &= state.file == file
     gone = np.where(new, part - change, part - first)
     gone = (np.mod(gone, every) if every > 0 else gone) + cut
+    #    wear ^            .-'        rate_um a part, after start_um with which a new edge
+    #         |      .--'            breaks in over its first parts: 1 - exp(-parts)
+    #         |   .-'
+    #         | /
+    #         +-------------> parts  a change sets it back to zero
     parts = [wall * gone, wall * (1.0 - np.exp(-gone))]
     before = change > 0 and every <= 0
     return along(axis, *parts, wall * ~new) if before else along(axis, *parts)
@@ -151,6 +157,7 @@ def _of_runs(state: State, life: float) -> tuple[np.ndarray, np.ndarray, np.ndar
         cut = np.ones(number.max() + 1)
         if rpm[own].any():
             cut = (np.bincount(number, rpm[own]) > 0).astype(float)
+        # the first run gauges the workpiece before anything was cut
         cut[0] = 0.0
         first = (np.arange(len(cut)) // life * life).astype(int)  # the tool is new at these
         gone = np.cumsum(cut)

@@ -82,6 +82,8 @@ def jumps(time: np.ndarray, acceleration: np.ndarray) -> tuple[np.ndarray, np.nd
     half = max(HALF, 1.01 * float(np.median(np.diff(time))))
     change = np.interp(time + half, time, acceleration) - np.interp(time - half, time, acceleration)
     least = max(JUMP * float(np.abs(acceleration).max()), LEAST)
+    # An acceleration told from places rises over some samples: neighbours that rise together, by
+    # the same sign, are one jump, at their mean weighted by what each contributes.
     kind = np.sign(change) * (np.abs(change) > least)
     edges = np.flatnonzero(np.diff(kind)) + 1
     groups = [g for g in np.split(np.arange(len(time)), edges) if kind[g[0]]]
@@ -106,6 +108,8 @@ def _rung(state: State, axis: str, w: float, damping: float) -> np.ndarray:
         when, size = jumps(time, acceleration[own][first])
         level, levels = 0j, [0j]
         for k, (t, jump) in enumerate(zip(when.tolist(), size.tolist(), strict=True)):
+            # Each jump starts a wave that decays; the complex level carries amplitude and phase of
+            # all waves so far on to the next jump, since waves of one frequency add up to one.
             level = level * np.exp(rate * (t - when[k - 1]) if k else 0.0) + jump / USUAL
             levels.append(level)
         if not len(when):
@@ -125,6 +129,7 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     }
     first = amplitude_and_phase(pairs[0])
     size = float(np.sqrt(np.mean((pairs**2).sum(axis=1))))
+    # The phase is that of the middle one, which has the frequency itself (SIDES 0).
     # the power of a passage's waves is that of all five
     if named["band"] and len(pairs) % len(SIDES) == 0:
         first, size = amplitude_and_phase(pairs[len(SIDES) // 2]), size * float(np.sqrt(len(SIDES)))

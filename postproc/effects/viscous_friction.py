@@ -39,6 +39,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 def columns(state: State, axis: str, power: float = 1.0, settle_ms: float = 0.0) -> np.ndarray:
     v = state.velocity[axis]
+    # of a speed of USUAL as a lag has it, so that the size is comparable whatever the power
     friction = np.sign(v) * USUAL * (np.abs(v) / USUAL) ** power
     return along(axis, -(followed(state, friction, settle_ms * 1e-3) if settle_ms else friction))
 

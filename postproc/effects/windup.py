@@ -109,6 +109,10 @@ def columns(
     lengths = np.multiply(SPREAD if spread > 0 else (1.0,), length_mm)
     built_up = _at_once if spread < 0 else _built_up
     if axis in state.path:
+        #    lag +1/2 |          .---       A column of ways: endless towards +, then back by d. The
+        #             |       .'           endless one gives -1/2 (it stops short), the way back
+        #        -1/2 |------'             adds 1 - exp(-d / length), and each further turn takes or
+        #                    turn -> d     adds its own likewise (Masing).
         ways = state.path[axis]
         each = np.sign(ways) * built_up(np.abs(ways), lengths)
         wound = each[0] / 2 - each.sum(axis=0)
@@ -156,5 +160,6 @@ def tables(
     **_: float,
 ) -> list[Table]:
     """Fully built up; ramp_mm says over which way after a turn."""
+    # at the low and at the high end of the travel, linear between: two nodes tell it all
     half = np.array([size_um - grows_um, size_um + grows_um]) * UM / 2
     return [(f"E{axis}", axis, np.array(travel), -half, half)]
