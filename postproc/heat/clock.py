@@ -73,6 +73,7 @@ class Times:
         """(M,) microseconds, (M,) turns per minute and (M,) bool, whether it is a motion, of all
         that takes time, in order: motions, and dwells between them."""
         at = self.dwells.before
+        # `before` counts motions, so that several dwells before one stay in their order
         took = np.insert(self.end - self.begin, at, self.dwells.took)
         rpm = np.insert(self.rpm, at, self.dwells.rpm)
         return took, rpm, np.insert(np.ones(len(self.begin), bool), at, False)
@@ -86,6 +87,8 @@ def run(
     n = len(motions)
     rpm = _turns(motions, spindle) if n else np.zeros(0)
     took, without = _durations(motions, spindle, rpm, rates)
+    #    now    dwell  motion 0   motion 1  dwell   motion 2
+    #     |------|---------|---------|------|---------|   an end: all motions and dwells up to it
     micros = np.rint(took * MICRO).astype(np.int64)
     dwells, untimed = _dwells(words, motions, spindle, rates, before.radius)
     waits = np.bincount(dwells.before, weights=dwells.took, minlength=n + 1).astype(np.int64)
@@ -155,6 +158,7 @@ def _durations(
     length = np.where(length > 0, length, way.max(axis=0, initial=0.0))
     arcs = motions.arcs
     turned = np.abs(arcs.sweep) * arcs.radius
+    # a helix: what goes along the axis of the arc, out of the whole chord less that in the plane
     across = np.sqrt(np.maximum(length[arcs.motion] ** 2 - _plane(way, arcs) ** 2, 0.0))
     length[arcs.motion] = np.hypot(turned, across)
     feed = motions.feed * pace.unit_of_feed(motions) / 60.0
@@ -166,10 +170,12 @@ def _durations(
     )
     with np.errstate(divide="ignore", invalid="ignore"):
         took = np.where(motions.inverse, 60.0 / motions.feed, length / feed)
+    # the block's own way is the rapid to the hole; then down and up
     took[motions.holes.motion] += rapid[motions.holes.motion] + _down(motions, feed, rates.velocity)
     at_feed = bool(rates.dialect.carried) & np.isfinite(took)  # printers run G0 with F
     took = np.where((motions.code == RAPID) & ~at_feed, rapid, took)
     moves = (way.max(axis=0, initial=0.0) > 0) | (motions.code == HOLE)
+    # a motion without F takes no time by this clock, and is counted: FOREIGN ones no clock knows
     bad = ~np.isfinite(took) & moves & (motions.code != FOREIGN)
     return np.where(np.isfinite(took) & (motions.code != FOREIGN), took, 0.0), int(bad.sum())
 

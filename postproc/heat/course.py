@@ -39,6 +39,8 @@ class Lags:
         """(K,) um by which both lags have changed since motions (K,) began: each goes one way, or
         nearly so, while the turns stay."""
         level, slow = self._later(row, gone)
+        # both sizes are taken of their own change: they may go against each other, and the sum
+        # would cancel
         first = self._um(np.abs(level - self.level[row]), 0 * slow)
         second = self._um(0 * level, np.abs(slow - self.slow[row]))
         return np.abs(first) + np.abs(second)
@@ -59,10 +61,14 @@ def spindle_lags(p: dict[str, float], times: clock.Times, pace: float, before: S
     took, rpm, moves = times.steps()
     fastest = max(p["fastest_rpm"], 1.0)
     turns = np.abs(rpm)
+    # G96 near the centre asks for more turns than any spindle has: at a stated limit they end
     if fastest > OPTIONAL["fastest_rpm"]:  # it is stated: no control turns it faster
         turns = np.minimum(turns, fastest)
     share = turns / fastest
+    # as in spindle_growth.columns: what the lag goes to while these turns last
     hot = share ** p["power"] * fastest / 1000.0
+    # dwells as well: a spindle warms while nothing moves, so all steps are followed, motions picked
+    # behind
     level, slow = lagged(took * pace / clock.MICRO, hot, before, p["tau_s"], p["housing_s"])
     begins = np.flatnonzero(moves)
     return Lags(

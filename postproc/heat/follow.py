@@ -79,6 +79,7 @@ class Heat:
     ) -> tuple[Motions, HeatState, list[Notice]]:
         """The motions with the whole steps (D, N) of the drivers in the middle of each, and spells
         of those that are to be cut in time. Raises BlockFault."""
+        # the middle of a motion stands for it: heat goes on evenly over so short a time
         course, after = self.course(words, motions, before)
         every = np.arange(len(motions))
         values = course.at(every, np.full(len(every), 0.5))
@@ -123,12 +124,18 @@ class Heat:
         tolerance; and what is said of those that can not be cut."""
         every, limit = np.arange(len(motions)), max(1, len(self.drivers))
         varied = course.varied(every, np.ones(len(every)), self.step)
+        # Only what cuts is cut in time, and only where a block may become several: no cycle, no
+        # cutter compensation, no motion with an unknown end.
         may = np.isin(motions.code, (FEED, CLOCKWISE, COUNTER)) & ~motions.alone
         may &= (motions.start_known & motions.target_known).all(axis=0)
         if len(motions.cutter):
             may &= motions.cutter == FREE
         motion, until, heat = [], [], []
         for k in np.flatnonzero(may & (varied > limit)).tolist():
+            #    heat ^            .---       Spells of equal change of heat, not of equal time:
+            #         |       .--'           `so_far` turned round gives the shares of the motion at
+            #         |    .-'               which they end, and their middles.
+            #         +---|----|---|--> share
             parts = int(np.ceil(varied[k] / limit))
             share = np.linspace(0.0, 1.0, SAMPLES * parts + 1)
             so_far = course.varied(np.full(len(share), k), share, self.step)
@@ -234,5 +241,7 @@ class Heat:
 def steps(drivers: tuple[Driver, ...], tolerance: float) -> np.ndarray:
     """(D,) whole steps: half a step of every driver along one axis is SHARE of the tolerance, mm,
     together, over all axes."""
+    # Rounding to whole steps leaves half a step of each driver: n of them, SHARE * tolerance / n
+    # each, make SHARE. A driver that moves nothing may have any step.
     n = max(1, len(drivers))
     return np.array([2 * SHARE * tolerance / (n * d.most) if d.most else 1.0 for d in drivers])

@@ -70,6 +70,8 @@ class Log:
 
     def varied(self, column: str, first: np.ndarray, last: np.ndarray) -> np.ndarray:
         """(N,) K by which it changes from first to last (N,) s, to and fro added up."""
+        # To and fro added up: a temperature that came back meanwhile has moved the machine all the
+        # same, and the middle of the block would not know.
         change = np.abs(np.diff(self.columns[column], prepend=self.columns[column][0]))
         total = np.cumsum(change)
         return np.interp(last, self.time, total) - np.interp(first, self.time, total)
@@ -135,6 +137,8 @@ def _cells(name: str, data: bytes) -> tuple[list[int], list[str], list[list[str]
             "t_s,T_screw_Z_C, then a row a moment",
             Place(name, 1),
         )
+    # a comma may be the decimal point where cells are parted by tabs or semicolons (_number takes
+    # it)
     mark = next((c for c in ("\t", ";") if c in lines[0][1]), ",")
     head, *cells = (_row(name, line, text, mark) for line, text in lines)
     head = [cell.strip() for cell in head]
@@ -163,6 +167,8 @@ def _columns(
         values = np.array([_cell(row, i) for row in cells])
         rows = np.flatnonzero(np.isfinite(values))
         if column and len(rows):
+            # held before the first number and behind the last; `known` says how far it was really
+            # read
             columns[column] = np.interp(time, time[rows], values[rows])
             known[column] = rows
     return columns, known
@@ -194,6 +200,7 @@ def check(log: Log, used: list[str]) -> None:
         rows = log.known.get(column, np.arange(len(log.time)))
         value, time = log.columns[column][rows], log.time[rows]
         step, gap = np.abs(np.diff(value)), np.diff(time)
+        # what metal can not do in the time between two readings is the thermometer's
         for k in np.flatnonzero(step > JUMP_K + SPEED * gap)[:1]:
             raise jumped(log, column, float(value[k]), float(gap[k]), int(rows[k + 1]))
 
@@ -269,4 +276,6 @@ def _date(text: str) -> float | None:
         found = datetime.fromisoformat(text.strip())
     except ValueError:
         return None
+    # A time without a zone counts as UTC: only differences are used, and a local time would jump
+    # where summer time begins.
     return (found if found.tzinfo else found.replace(tzinfo=UTC)).timestamp()

@@ -78,9 +78,13 @@ def rows_of(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
         q[i] = float(centre[x]) + radius * way
     approach = np.zeros_like(q)
     ways = np.array([np.sign(sense[g].mean()) for g in groups])
+    # As in iso/causes.py: run from the first axis to the second, the first falls while the second
+    # is above zero.
     approach[where[0]] = -ways * np.sign(np.sin(middle))
     approach[where[1]] = ways * np.sign(np.cos(middle))
+    # sector by sector: thousands of samples would hide that they tell no more than their waves
     value = np.array([recording.reading[g].mean() for g in groups])
+    # the centre's place: where the other axes stood, and both slides at the stated centre
     place = base.q[:, on].mean(axis=1)
     place[where] = [float(centre[x]) for x in axes]
     stands = nominal_tip(machine, place[:, None], base.tool)[:, 0]

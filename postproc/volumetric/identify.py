@@ -24,10 +24,14 @@ def undetermined(fit: Fit) -> list[list[str]]:
     of its nodes at least."""
     prior = fit.unknowns.prior
     scaled = fit.covariance / np.outer(prior, prior)
+    # without the widening by chi: how well the readings lie is asked here, not how much they
+    # scatter
     values, vectors = np.linalg.eigh(scaled / fit.factor)
     open_ = vectors[:, values > UNDETERMINED]
     if not open_.shape[1]:
         return []
+    # The projection on the open directions: its block [a, b] is not zero where errors a and b move
+    # together in one of them, which is what can not be parted.
     onto = open_ @ open_.T
     names = [g.name for g in fit.unknowns.groups]
     n = len(names)
@@ -36,6 +40,8 @@ def undetermined(fit: Fit) -> list[list[str]]:
         share[i, k] = np.linalg.norm(onto[a, b])
     sets: list[set[int]] = []
     for i in np.flatnonzero(share.diagonal() > TIED).tolist():
+        # a ties to b and b to c: one set of three, though a and c may share no direction of their
+        # own
         tied = {i, *np.flatnonzero(share[i] > TIED).tolist()}
         for other in [s for s in sets if s & tied]:
             sets.remove(other)

@@ -45,6 +45,7 @@ def of_components(
     places of the readings that see it. Both ends of its axis are nodes, so a component that was
     seen on a part of it alone is not held on beyond."""
     ends = {x: at[[0, -1]] for x, at in axes.items()}
+    # each component as a constant: a reading that it does not move at all does not see it
     one = Unknowns(tuple(_constant(machine, ends)), machine, machine)
     sees = [_seen(r, one) for r in rows]
     found = {}
@@ -54,6 +55,10 @@ def of_components(
         inside = at[(at > low + ENDS * (high - low)) & (at < high - ENDS * (high - low))]
         if not len(at):
             continue
+        #    axis    |------------------------|
+        #    seen        o    o     o    o            Nodes are these places and both ends: from its
+        #    nodes   x   x    x     x    x    x       last place on a component goes to a value of
+        #                                             its own, which the prior holds near zero.
         mine = _thinned(np.concatenate([[low], inside, [high]]), None)
         if len(mine) < len(axes[group.letter]):
             found[group.name] = mine

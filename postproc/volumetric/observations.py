@@ -134,6 +134,8 @@ def _lengths(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
     found = []
     for which in _parts(recording, "station"):
         value = recording.columns["length_mm"][which]
+        # place (3) and dead path (1): the fifth length is the first that says anything of the
+        # machine
         if len(which) < 5:
             raise VolumetricError(
                 "a station needs five lengths at least: its own place and its dead path are four"
@@ -143,6 +145,7 @@ def _lengths(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
             )
         nominal = nominal_tip(machine, base.q[:, which], base.tool)
         said = _said(recording, which)
+        # the place as stated, within STATED; the dead path stays free
         loose = np.zeros(4) if said is None else np.array([1 / STATED] * 3 + [0.0])
         start = _station(said, value, nominal)
         found.append(_picked(base, which, kind="length", value=value, start=start, loose=loose))
@@ -183,6 +186,8 @@ def _station(said: np.ndarray | None, value: np.ndarray, nominal: np.ndarray) ->
 
     middle, far = nominal.mean(axis=1), float(value.mean())
     best = None
+    # Lengths alone have mirror images: points that nearly lie in a plane fit a station on either
+    # side of it. 26 directions at the mean length, and the middle itself, are beginnings.
     for way in np.array(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1])).reshape(3, -1).T:
         size = float(np.linalg.norm(way))
         begin = np.append(middle + (way / size * far if size else 0.0 * way), 0.0)
@@ -215,6 +220,7 @@ def _angles(recording: Recording, base: Rows, moved: list[str]) -> list[Rows]:
         raise VolumetricError(
             "angles are read while one axis moves, about one axis", "", Place(recording.file, 1)
         )
+    # B, or Y as the axis about which it is read: row 4, EB
     row = 3 + (ROTARY.index(rotation) if rotation in ROTARY else XYZ.index(rotation))
     sign = float(np.sign(recording.sensitive[rotation]))
     return [
@@ -241,6 +247,7 @@ def _lines(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
     along = np.array([recording.sensitive.get(x, 0.0) for x in XYZ])
     if recording.quantity == "angle":
         return _angles(recording, base, moved)
+    # 0.045 is the sine of 2.6 degrees: a displacement read nearly at right angles is a straightness
     across = recording.quantity == "straightness" or (
         len(moved) == 1 and abs(along[XYZ.index(moved[0])]) < 0.045
     )
@@ -265,6 +272,8 @@ def _line(
         )
     return _picked(
         base, which, kind="straightness" if across else "line", value=recording.reading[which],
+        # across: a zero and a slope of the set-up; along: a zero alone, since a laser's line has a
+        # scale to tell
         start=np.zeros(2 if across else 1), along=along,
     )  # fmt: skip
 
@@ -289,6 +298,8 @@ def _aligned(value: np.ndarray, nominal: np.ndarray) -> np.ndarray:
     """(6,) rad and mm: the turn and shift that bring a cloud (3, N) nearest to its nominal places
     (Kabsch)."""
     a, b = value.mean(axis=1), nominal.mean(axis=1)
+    # Kabsch: with U S V' of the correlation the best turn is U V'; where that is a mirror image
+    # (its determinant is -1) the direction of the smallest singular value is turned round.
     u, _, v = np.linalg.svd((nominal - b[:, None]) @ (value - a[:, None]).T)
     turn = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ v))]) @ v
     from scipy.spatial.transform import Rotation

@@ -59,15 +59,20 @@ class Rows:
         """(R,) mm or rad: model less reading. off (3, N) mm at the tip; own: nuisances; nominal (3,
         N) mm: of the tip; angle (N,) rad."""
         if self.kind == "cloud":
+            # a cloud: the tracker's frame, turned and shifted (own), must meet the places of the
+            # tip
             return (nominal + off - _turn(own[:3]) @ self.value - own[3:, None]).ravel()
         if self.kind == "shift":
             return (off + own[:, None] - self.value).ravel()
         if self.kind == "sphere":
             return (nominal + off - own[:, None]).ravel()
         if self.kind == "length":
+            # a length: |tip - station| + dead path
             return np.linalg.norm(nominal + off - own[:3, None], axis=0) + own[3] - self.value
         if self.kind == "angle":
             return angle + own[0] - self.value
+        # line, straightness, stair: along the beam or across it, with the set-up's zero and its
+        # further numbers
         return self.along @ off + own[0] - self.value + own[1:] @ self._more
 
     def slopes(
@@ -84,6 +89,7 @@ class Rows:
         if self.kind in ("cloud", "shift", "sphere"):
             by = columns.reshape(len(columns), -1).T
             if self.kind == "cloud":
+                # by central differences: 1e-7 rad of a turn vector; the error goes with its square
                 each = 1e-7
                 turned = [
                     (_turn(own[:3] + each * e) - _turn(own[:3] - each * e))
@@ -97,6 +103,7 @@ class Rows:
             return by, sign * np.array([np.repeat(e, n) for e in np.eye(3)]).T
         if self.kind == "length":
             away = nominal + off - own[:3, None]
+            # to first order a length changes by what of a displacement lies along it
             way = away / np.linalg.norm(away, axis=0)
             return np.einsum("pin,in->np", columns, way), np.vstack([-way, np.ones(n)]).T
         if self.kind == "angle":
@@ -119,6 +126,7 @@ class Rows:
     def _way(self) -> np.ndarray:
         """(N,) from -1 to 1 along the motion of a straightness."""
         moved = self.q[int(np.argmax(np.ptp(self.q, axis=1)))]
+        # of the order of 1, so that the slope's number is mm, as the zero's is
         return 2 * (moved - moved.mean()) / max(float(np.ptp(moved)), SAME)
 
 

@@ -99,11 +99,15 @@ def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
     _enough(rows, said, found)
     left = np.split(one.residual[:number], np.cumsum(list(map(len, rows)))[:-1])
     factor = max([1.0, *(_few(free) for _, free in found.values())])
+    # kind "": of all that state their u
     chi, free = _left_over(one.jacobian, one.inverse, one.residual, rows, said, "")
     # Readings that scatter more than they say: what was found is known as much worse.
+    # chi squared per degree of freedom scatters by sqrt(2 / free) about 1: three of these are no
+    # chance
     widened = any(said) and chi > 1 + 3 * np.sqrt(2 / free)
     if widened:
         factor *= chi * _few(free) * _repeated(rows, said, left)
+    # u was made of these very residuals: chi is 1 by construction and judges nothing
     if not any(said):
         chi, free = 1.0, sum(free for _, free in found.values())
     return Fit(
@@ -157,6 +161,7 @@ def _repeated(rows: Sequence[Rows], said: Sequence[bool], left: Sequence[np.ndar
     clusters, Kish 1965)."""
     alike = each = 0.0
     for r, s, part in zip(rows, said, left, strict=True):
+        # circles have told by `alike` already how many of their readings make one
         if not s or r.alike > 1:
             continue
         at = np.unique(np.round(r.q, 3), axis=1, return_inverse=True)[1].ravel()
@@ -179,8 +184,11 @@ def _left_over(
     theirs."""
     mine = [not s and r.kind == kind if kind else s for r, s in zip(rows, said, strict=True)]
     which = np.repeat(mine, [len(r) for r in rows])
+    # `counted` has made residuals smaller, so that alike readings weigh as one: taken back for
+    # their scatter
     each = residual[: len(which)] * np.repeat(np.sqrt([r.alike for r in rows]), [*map(len, rows)])
     part, scatter = jacobian[: len(which)][which], each[which]
+    # trace of the hat matrix of these rows: by how many degrees of freedom they decide the unknowns
     free = len(part) - float(np.einsum("ni,ij,nj->", part, inverse, part, optimize=True))
     return float(scatter @ scatter) / max(free, 1e-6), max(free, 1.0 if not kind else 0.0)
 
@@ -239,6 +247,11 @@ def _solved(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Numbers and nuisances, and Jacobian and residuals there, in units of u; the prior stands
     below."""
+    #                  unknowns (P)   set-up 1   set-up 2
+    #    readings 1    by             more       0            each row in units of its u
+    #    readings 2    by             0          more
+    #    prior         1 / prior      0          0            holds what no reading tells
+    #    stated        0              loose      loose        a place that the file says
     p = unknowns.number
     edges = p + np.cumsum([0, *(len(r.start) for r in rows)])
     stated = np.concatenate([r.start for r in rows])
@@ -264,6 +277,8 @@ def _solved(
         made[at:] = np.diag(np.concatenate([1 / unknowns.prior, loose]))
         return made
 
+    # mm, rad and slopes stand side by side: a step is long or short by what each may be, not by its
+    # number.
     scale = np.concatenate([unknowns.prior, np.ones(len(start) - p)])
     done = least_squares(
         residual, start, jacobian, x_scale=scale, method="trf", xtol=1e-12, ftol=1e-12, gtol=1e-12
@@ -277,6 +292,8 @@ def _inverse(jacobian: np.ndarray, rows: Sequence[Rows], unknowns: int) -> np.nd
     at, first, last = unknowns, 0, len(jacobian) - jacobian.shape[1]
     for r in rows:
         own = slice(at, at + len(r.start))
+        # Its own columns alone, scaled to length 1: a smallest singular value of 0 means that its
+        # nuisances move along some direction without any reading of it changing.
         read, held = jacobian[first : first + len(r), own] * r.counted, jacobian[last:, own]
         block = np.vstack([read, held])
         size = np.linalg.norm(block, axis=0)
@@ -285,6 +302,7 @@ def _inverse(jacobian: np.ndarray, rows: Sequence[Rows], unknowns: int) -> np.nd
             raise _too_few(r)
         at, first = own.stop, first + len(r)
     size = np.linalg.norm(jacobian, axis=0)
+    # columns of unlike units, scaled before the inverse and back behind it: else digits are lost
     scaled = jacobian / size
     return np.linalg.inv(scaled.T @ scaled) / np.outer(size, size)
 
@@ -307,6 +325,7 @@ def corners(fitted: Fit, tool: np.ndarray) -> float:
     m = fitted.unknowns.bare
     slides = [x for x in XYZ if x in m.letters]
     ends = np.array(
+        # ends and middle of each travel: 27 places of three slides
         np.meshgrid(
             *[[m.axes[x].travel[0], sum(m.axes[x].travel) / 2, m.axes[x].travel[1]] for x in slides]
         )

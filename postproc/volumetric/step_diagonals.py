@@ -31,6 +31,9 @@ def is_diagonal(along: np.ndarray) -> bool:
 def aside(place: np.ndarray, along: np.ndarray) -> np.ndarray:
     """(3, N) mm by which places (3, N) lie beside the line along (3,) through the first of them."""
     way = place - place[:, :1]
+    #         .-' end      beam along the diagonal; after a step of X alone the tool stands `aside`
+    #    X .-'|            of it, and the beam meets the mirror there
+    #     *---o
     return way - along[:, None] * (along @ way)
 
 
@@ -42,6 +45,8 @@ def is_stepped(sideways: np.ndarray) -> bool:
 def across(sideways: np.ndarray) -> np.ndarray:
     """(M, 3): unit vectors of the directions in which the tool moves aside (3, N): two, or one of a
     stair in a plane."""
+    # The mirror may lean about both directions across the beam, but only those that the stair moved
+    # in change a reading: the others would be numbers without a reading.
     directions, sizes, _ = np.linalg.svd(sideways)
     return directions[:, : len(sizes)][:, sizes > STEP].T
 
@@ -69,5 +74,6 @@ def on_the_beam(
     at = effect(tool)
     result = at.copy()
     for i, e in enumerate(np.eye(3)):
+        # minus: where the tool has moved aside, the beam's own line lies that much the other way
         result -= (effect(tool + e) - at) * sideways[i]
     return result

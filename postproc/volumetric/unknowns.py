@@ -51,6 +51,9 @@ def _of_slide(machine: Machine, x: str, nodes: dict[str, np.ndarray]) -> Iterato
         if across and XYZ[row] not in machine.chain.axes:
             continue
         at = nodes.get(f"{name}{x}", nodes[x])
+        # Every curve is the free ones of its null space: those that are 0 at the node nearest to
+        # zero and, of a straightness, have no slope over the nodes. A constant is the zero of a
+        # set-up, a slope of EYX is C0Y, and neither may be found twice.
         fixed = [np.eye(len(at))[int(np.argmin(np.abs(at)))]]
         if across:
             fixed.append((at - at.mean()) / np.abs(at - at.mean()).max())
@@ -88,6 +91,7 @@ def locations(machine: Machine, zero: frozenset[str]) -> list[Group]:
     """How the line of each rotary axis lies: two offsets, and two angles (ISO 230-7)."""
     found = []
     for x in machine.chain.rotary:
+        # a shift along its own line, or a turn about it, changes nothing about a line
         for i in (i for i in range(3) if i != ROTARY.index(x)):
             found.append(Group(f"{XYZ[i]}0{x}", x, i, np.zeros(0), np.eye(1), 1.0))
             found.append(Group(f"{ROTARY[i]}0{x}", x, 3 + i, np.zeros(0), np.eye(1), SQUARE))
@@ -133,6 +137,8 @@ class Unknowns:
                 )
                 result[where] = one * half
                 continue
+            # Linear between nodes: what one node's value does at q is its hat there times what an
+            # error of 1 does at the tip, which depends on where all axes stand (the arm).
             hats = _hat_functions(group.nodes, q[self.bare.letters.index(group.letter)])
             result[where] = np.einsum("km,kn,in->min", group.basis, hats, one)
         return result
@@ -160,6 +166,8 @@ class Unknowns:
             both = np.zeros((6, 2))
             both[group.row] = ONE
             low, high = axis.travel
+            # 1 mm or 1 rad all along: what it does at the tip is a derivative, exact since the
+            # deviation is linear in every error.
             table = AxisTable(group.letter, np.array([min(low, -1e6), max(high, 1e6)]), both, both)
             return replace(m, axes={**m.axes, group.letter: replace(axis, table=table)})
         if group.letter in ROTARY:
@@ -171,6 +179,9 @@ class Unknowns:
 
 def _hat_functions(nodes: np.ndarray, q: np.ndarray) -> np.ndarray:
     """(K, N): the share of each node at places q (N,)."""
+    #     1 .       .       .       hats: each node has 1 at its own place and 0 at all others;
+    #       |'.   .'|'.   .'|       they add up to 1 everywhere, also beyond the ends
+    #     0 +---'---+---'---+
     return np.array([np.interp(q, nodes, one) for one in np.eye(len(nodes))])
 
 

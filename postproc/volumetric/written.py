@@ -116,6 +116,8 @@ def _taken(stated: Mapping[str, Any], keys: Iterable[str]) -> dict[str, Any]:
 
 def _known(fit: Fit) -> list[Group]:
     """The errors that the readings tell."""
+    # Errors that can not be parted have no value of their own: a sum of two that is right would be
+    # written as two that are wrong, and act so elsewhere.
     hidden = open_names(fit)
     return [g for g in fit.unknowns.groups if g.name not in hidden]
 
@@ -175,6 +177,7 @@ def turned(
     """File name to text of the machine with how its rotary axes lie; its slides keep their map.
     tables: the other files of its folder."""
     hidden = open_names(fit)
+    # all of the machine's file stays but for its name: only the rotary axes were found
     data = {k: v for k, v in like.items() if k not in ("name", "title")} | dict(head)
     data["source"] = (
         f"{like.get('source', '')}; rotary axes: gcomp volumetric from {', '.join(files)}".lstrip(
@@ -256,11 +259,14 @@ def _tables(fit: Fit, letter: str, own: list[Group], turned: Group | None) -> tu
         unit, one = ("urad", URAD) if COMPONENTS.index(name[:2]) >= 3 else ("um", UM)
         if turned and name == along:
             half, half_u = (float(v[0]) / 2 for v in fit.values(turned))
+            #     forward = mean + B / 2, reverse = mean - B / 2     (B:x, forward less reverse)
+            # U of either by both, as if independent.
             both = np.hypot(u, half_u)
             values |= {
                 f"{name}_um_fwd": (value + half) / one,
                 f"{name}_um_rev": (value - half) / one,
             }
+            # the folder holds U, k = 2 (machine/uncertainty.py)
             known |= {f"{name}_um_fwd": 2 * both / one, f"{name}_um_rev": 2 * both / one}
         else:
             values[f"{name}_{unit}"], known[f"{name}_{unit}"] = value / one, 2 * u / one
