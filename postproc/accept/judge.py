@@ -56,6 +56,8 @@ def _test(result: Result) -> Positioning:
 
 def _on(test: Positioning, other: Positioning) -> Positioning:
     """A test on the targets that both have, in the other's order."""
+    # 0.02 mm: targets of a corrected program come back on the nominal ones by `_nominal`, and a
+    # display rounds. Each target once, whatever the order of the file.
     near = np.abs(test.target[:, None] - other.target[None, :]).argmin(axis=0)
     near = np.unique(near[np.abs(test.target[near] - other.target) < 0.02])
     return replace(
@@ -134,6 +136,8 @@ def _change(before: Parameter, after: Parameter) -> Change:
         return Change(before, after, None, None)
     if before.U is None or after.U is None:
         return Change(before, after, 1 - a / b, None)
+    # f = 1 - a / b: df/da = -1 / b, df/db = a / b**2; before and after are independent measurements
+    # (JCGM 100, 5.1.2).
     return Change(before, after, 1 - a / b, math.hypot(after.U / b, a * before.U / b**2))
 
 
@@ -146,6 +150,8 @@ def _acted(motion: Motion, tests: list[Positioning], machine: Machine, line: boo
     wanted = np.isfinite(tests[0].mean) & np.isfinite(tests[1].mean)
     maps = replace(tests[0], mean=np.where(wanted, stated, np.nan))
     gone = replace(tests[0], mean=np.where(wanted, tests[0].mean - tests[1].mean, np.nan))
+    # least squares of d = k p: k = 1 where all was taken out that the map says, -1 where it was
+    # added
     p, d = (np.nan_to_num(_about(t, line)).ravel() for t in (maps, gone))
     return float(d @ p / (p @ p)) if p @ p > len(p) * signs.LEAST**2 else None
 
@@ -169,6 +175,7 @@ def _stated(motion: Motion, target: np.ndarray, machine: Machine) -> np.ndarray 
     position, approach = _commands(motion, target, machine)
     along = motion.unit if motion.test == "diagonal" else {motion.subject[1]: 1.0}
     rows = [(machine.letters.index(x), c) for x, c in along.items() if x in machine.letters]
+    # all axes of the motion reached in +, then all in -: a diagonal's two directions
     off = [machine.deviation(position, sign * approach) for sign in (1.0, -1.0)]
     return np.stack([sum((c * o[row] for row, c in rows), np.zeros(target.shape)) for o in off])
 
@@ -178,6 +185,8 @@ def _commands(
 ) -> tuple[np.ndarray, np.ndarray]:
     """(A, m) mm: where the axes stand at targets along a motion, and (A, m) their approach in +."""
     position, approach = np.zeros((2, len(machine.letters), len(target)))
+    # Positions of a diagonal count from its first target (iso/assign.py): the others follow from
+    # where the axes stood there and their shares of the way.
     way, lowest = target - motion.position.min(), motion.position.argmin()
     for row, x in enumerate(machine.letters):
         position[row] = motion.at.get(x, 0.0)

@@ -28,6 +28,7 @@ def split(
     first: list[Recording] = list(recordings)
     second: list[Recording] = list(after)
     if not second:
+        # as a shell lists them: x_before z_before x_after z_after
         half = len(first) // 2
         if len(first) % 2:
             raise AcceptError(
@@ -83,6 +84,7 @@ def _key(motion: Motion) -> tuple[object, ...]:
         motion.test,
         motion.subject,
         motion.axes,
+        # to 0.1 mm: where the others stood is read off a display, and a correction moves them by um
         tuple((x, round(v, 1)) for x, v in sorted(motion.at.items())),
     )
 
@@ -172,6 +174,8 @@ def _shifted(
     """Readings against `own` targets as readings against those of `source`, (R, A) mm."""
     columns = dict(recording.columns)
     if recording.quantity != "angle":
+        #    nominal target  T      reading against the corrected command C = T + c:  actual - C
+        #    against T:      actual - T = reading + (C - T)
         shift = own - targets
         along = sum(
             recording.sensitive.get(x, 0.0) * shift[:, i] for i, x in enumerate(recording.axes)

@@ -71,6 +71,9 @@ def _turned(one: Outcome) -> str:
             "forward and reverse are exchanged (--first when calibrating, the columns _fwd and"
             " _rev)"
         )
+    # Both directions turned: either the map has the wrong sign and was obeyed (acted near 1: what
+    # it says was taken out, and that made it worse), or the map is right and was added (acted near
+    # -1).
     if len(one.turned) > 1 and one.acted is not None and one.acted > 0.5:
         return (
             "what the map says was taken out, so the map's own sign is turned: negate its column,"
@@ -143,6 +146,7 @@ def ratio(one: Ratio) -> str:
     """What of a deviation is there after, in words."""
     if one.U is None:
         return "no deviation to judge by"
+    # + 0.0: no -0.00
     return f"{one.value + 0.0:.2f} +- {one.U:.2f} of it is there after"
 
 
@@ -153,6 +157,7 @@ def rest(one: Outcome, unit: float) -> list[str]:
         f" {'its line' if one.before.test == 'straightness' else 'its mean'}"
     ]
     if one.scatter is not None:
+        # scatter and what is systematic are independent: their squares add up to what is left
         beyond = math.sqrt(max(one.left**2 - one.scatter**2, 0.0))
         out[0] += (
             f", of it {min(one.scatter, one.left) / unit:.2f} scatter of the runs and"

@@ -36,11 +36,15 @@ def ratios(before: Positioning, after: Positioning, line: bool) -> list[Ratio]:
     for way in (0, 1):
         used = np.isfinite(before.mean[way]) & np.isfinite(after.mean[way])
         if used.sum() > order + 1:
+            # a constant, or a line and a constant: what setting up the instrument decides, before
+            # and after alike
             terms = np.vander(before.target[used] / max(before.length, 1e-9), order)
             b, a = (_about(m[way][used], terms) for m in (before.mean, after.mean))
             out.append(_ratio(WAYS[way], b, a, ub[way][used], ua[way][used], dof, terms.shape[1]))
     verdicts = {r.verdict for r in out} - {"undecided", "between"}
     used = before.both & after.both
+    # Where one direction says taken out and the other turned, a ratio of the reversal would be of
+    # two things at once, and name neither.
     if before.two_way and after.two_way and len(verdicts) < 2 and used.any():
         b, a = before.reversal[used], after.reversal[used]
         u = np.sqrt((np.stack([ub, ua])[:, :, used] ** 2).sum(axis=1))
@@ -69,11 +73,14 @@ def _ratio(
     of: str, b: np.ndarray, a: np.ndarray, ub: np.ndarray, ua: np.ndarray, dof: float, taken: int
 ) -> Ratio:
     share = (len(b) - taken) / len(b)
+    # E(b b) is the true b squared and the variances of its means: without this the ratio of noisy
+    # means would come out too near 0. The zero (and line) took the share of `taken` of them.
     size2 = float(b @ b) - share * float(ub @ ub)
     rms = float(np.sqrt(b @ b / max(len(b) - taken, 1)))
     if size2 <= 0 or rms < LEAST:
         return Ratio(of, 0.0, None, rms, "undecided")
     value = float(a @ b) / size2
+    # d value / d b_i is (a_i - 2 value b_i) / size2, d value / d a_i is b_i / size2
     slope = a - 2 * value * b
     u = np.sqrt(float((b**2) @ (ua**2) + slope**2 @ (ub**2))) / size2
     if not dof:  # single runs: what does not follow b is all that is known of the scatter
@@ -86,6 +93,8 @@ def _ratio(
 def _verdict(value: float, wide: float) -> str:
     """Where the whole interval lies; "undecided" where it reaches over more than two of the
     ranges."""
+    # limits half way between 0, 1 and 2: below 0.5 taken out, to 1.5 nothing happened, beyond it
+    # turned
     low, high = (
         (next(v for limit, v in LIMITS if at < limit)) for at in (value - wide, value + wide)
     )

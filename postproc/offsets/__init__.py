@@ -88,6 +88,8 @@ class Source:
     def lines(self) -> Iterator[tuple[int, str]]:
         """Number (from 1) and text of every line that is not blank, without the blanks around
         it."""
+        # by \n alone: splitlines() would also cut at form feeds, and lines would count otherwise
+        # than in an editor
         for number, line in enumerate(self.text.split("\n"), 1):
             if stripped := line.strip():
                 yield number, stripped
@@ -99,6 +101,7 @@ class Source:
 
     def number(self, line: int, text: str) -> float:
         """A finite number. Raises UsageError."""
+        # float() would take nan, inf and 1_0
         value = float(text) if NUMBER.fullmatch(text) else math.nan
         if not abs(value) <= LARGEST_WORD_MM:
             raise self.fault(
@@ -175,6 +178,7 @@ def _recognised(source: Source) -> str:
     found = [name for name in names() if load(name).recognises(source)]
     if len(found) == 1:
         return found[0]
+    # two readers that both see themselves in it: guessing would put zeros into the wrong register
     if found:
         raise UsageError(f"{source.name} may be {' or '.join(found)}", "name the format")
     raise UsageError(

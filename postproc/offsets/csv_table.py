@@ -22,6 +22,7 @@ def recognises(source: Source) -> bool:
     """Whether the first line that is no comment begins with `name` and a comma."""
     for _, line in source.lines():
         if not line.startswith("#"):
+            # the first line that is no comment must be the head: other tables begin otherwise
             return line.replace(" ", "").lower().startswith("name,")
     return False
 

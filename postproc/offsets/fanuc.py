@@ -121,6 +121,7 @@ def _words(source: Source, number: int, block: str) -> tuple[dict[str, str], lis
 def _block(source: Source, number: int, block: str, memory: Memory) -> None:
     words, codes = _words(source, number, block)
     words.pop("N", None)
+    # modal: what G90 or G91 set before stays where a block says neither
     memory.incremental = "91" in codes or (memory.incremental and "90" not in codes)
     if "20" in codes or "21" in codes:
         memory.inch = "20" in codes
@@ -177,6 +178,8 @@ def _take(
     memory: Memory, key: tuple[str, int], letter: str, text: str, value: float, lathe: bool
 ) -> bool:
     """One word into a register; False where a step has nothing to step from."""
+    # X1000 may be 1000 mm or 1000 increments (1 mm), by parameter 3401#0 (DPI): the file does not
+    # say which, so a notice does.
     memory.bare |= "." not in text and value != 0
     if lathe or letter not in ROTARY:
         value *= MM_PER_INCH if memory.inch else 1.0
@@ -190,6 +193,7 @@ def _check_lathe(
 ) -> None:
     """Of a lathe's offset: its orientation Q is taken out, steps beside their own axis refused."""
     if nose := words.pop("Q", ""):
+        # P10001 is the geometry of offset 1, P1 its wear: one tool, one orientation
         memory.nose[n % GEOMETRY] = source.number(number, nose)
     for letter in set(words) & set(STEPS):
         if STEPS[letter] in words:
@@ -214,9 +218,11 @@ def _assembled(source: Source, memory: Memory) -> Offsets:
     diameter = _is_diameter(source, memory, "" in has, offsets)
     shared = _is_shared(has, offsets)
     for (kind, n), place in memory.place.items():
+        # only lengths along X are diameters: R and the registers of a mill have no X of a lathe
         if diameter and kind in ("", "2", "20") and "X" in place:
             place = {**place, "X": place["X"] / 2}
         if kind in ("2", "20"):
+            # L2 P1 is G54, P0 the external offset; L20 P1 is G54.1 P1
             offsets.work[_work_offset(kind, n)] = place
         elif kind == "":
             _add_turning_tool(offsets, n % GEOMETRY, place, memory)

@@ -42,6 +42,7 @@ def read(source: Source) -> Offsets:
     entries = list(_entries(source))
     scale = _scale(source, [values[0] for *_, values in entries], offsets)
     for number, name, texts in entries:
+        # GRBL reports one tool length, along Z; grblHAL one for each axis
         axes = "Z" if name == "TLO" and len(texts) == 1 else AXES
         place = _place(source, number, axes, texts, scale)
         into, key = (offsets.tools, TOOL) if name == "TLO" else (offsets.work, name)
@@ -79,6 +80,8 @@ def _place(
 def _scale(source: Source, texts: list[str], offsets: Offsets) -> float:
     """mm per unit, as the user or the decimals of the first axis say (angles have three always)."""
     if source.inch is None:
+        # $13 is not in the answer, but the decimals are fixed by it: 3 of mm, 4 of inches
+        # (config.h)
         decimals = {len(text.strip().partition(".")[2]) for text in texts}
         if decimals == {4}:
             offsets.notices.append(

@@ -68,6 +68,7 @@ def _place(source: Source, number: int, words: dict[str, str]) -> dict[str, floa
         if axis in values
     }
     if "D" in values:
+        # D is a diameter in every table of LinuxCNC; R of Offsets is a radius
         place["R"] = values["D"] * source.scale() / 2
     if values.get("Q"):
         place["Q"] = values["Q"]

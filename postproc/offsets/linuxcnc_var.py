@@ -56,6 +56,8 @@ def read(source: Source) -> Offsets:
     for i, name in enumerate(SYSTEMS):
         if place := _place(value, FIRST + STEP * i, source.scale()):
             offsets.work[name] = place
+        #    5221 .. 5229   X Y Z A B C U V W of G54        next system 20 further on
+        #    5230           its rotation about Z
         if angle := value.get(FIRST + STEP * i + len(AXES), 0.0):
             offsets.rotation[name] = angle
     shift = _place(value, SHIFT, source.scale())

@@ -103,6 +103,7 @@ def _indices(source: Source, number: int, text: str | None, count: int) -> list[
 
 
 def _value(source: Source, number: int, text: str) -> float:
+    # 1.5EX-3 is 1.5e-3 in this language
     return source.number(number, re.sub(r"(?<=[0-9.])EX(?=[-+0-9])", "E", text.strip()))
 
 
@@ -124,6 +125,7 @@ def _frame(
 ) -> None:
     """A whole frame, or one component of one."""
     parts = [part.strip() for part in index.split(",")] if index is not None else []
+    # $P_UBFR is $P_CHBFR[0]
     if variable == "P_UBFR":
         variable, parts = "P_CHBFR", ["0", *parts]
     which = _indices(source, number, ",".join(parts[:1]), 1)[0]
@@ -149,6 +151,7 @@ def _whole(source: Source, number: int, text: str) -> Frame:
                 number, f"{part.strip()[:40]!r} can not be read, or stands twice", ADVICE
             )
         component = COMPONENTS[function[1]]
+        # CROT before CTRANS: the shift would be along turned axes, which an offset can not say
         frame.turned_first |= component in ("TR", "FI") and bool(set(frame.parts) - {"TR", "FI"})
         frame.parts[component] = dict(_pairs(source, number, component, function[2]))
     return frame
@@ -163,6 +166,7 @@ def _pairs(source: Source, number: int, component: str, text: str) -> Iterator[t
         if not re.fullmatch(r"[A-Z][A-Z0-9_]*", axis):
             raise source.fault(number, f"{axis[:40]!r} is not an axis", ADVICE)
         values = words[i + 1 : i + 2]
+        # CMIRROR(X) has no value: the axis alone says that it is mirrored
         if component == "MI" and not (values and not re.match("[A-Z]", values[0])):
             yield axis, 1.0
             i += 1
@@ -236,6 +240,8 @@ def _tools(
 def _tool(source: Source, edge: dict[int, float]) -> dict[str, float]:
     """mm: lengths by axis, and R, the radius."""
     turning = int(edge.get(TYPE, 0)) in TURNING
+    # length 1 2 3 by axis: Z Y X in G17 of a mill, X Z Y in G18 of a lathe; each of geometry, wear
+    # and base
     parts = zip((*(TURN if turning else MILL), "R"), (*LENGTHS, RADII), strict=True)
     place = {
         axis: sum(edge.get(n, 0.0) for n in numbers) * source.scale()

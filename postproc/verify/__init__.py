@@ -76,6 +76,8 @@ class Verifier(Figures):
                 LIMIT if why == self.state.beside.fault else REPORT_IT,
                 self._near(words, motions, pieces, int(i), first_line),
             )
+        # Piece by piece: a block that the control would read as another motion, or not at all,
+        # shows here before any distance is measured.
         if len(back) != len(pieces) or (back.code != pieces.code).any():
             most = min(len(back), len(pieces))
             differ = np.append(np.flatnonzero(back.code[:most] != pieces.code[:most]), most)
@@ -127,6 +129,8 @@ class Verifier(Figures):
         paths, slides = 0 * every + PATH, (own, own)
         self._measure(motions, every, 0 * one, one, motions, slides, line, self.uncorrected, paths)
         owner = pieces.motion
+        #     nominal motion  0 ----- 0.4 -------- 1     shares of the pieces, added up: of what
+        #     pieces             0.4   |    0.6          part of the motion each stands
         begin = np.cumsum(pieces.share) - pieces.share
         first = np.concatenate([[True], owner[1:] != owner[:-1]])
         begin -= begin[first][np.cumsum(first) - 1]
@@ -152,6 +156,8 @@ class Verifier(Figures):
         self.left: np.ndarray = away.any(axis=0)
         moves = (motions.target != motions.start).any(axis=0)
         moves[motions.arcs.motion] = True
+        # 1: a rapid was left where it was; 0: something moved since; -1: nothing did, so the last
+        # one holds, over the end of a batch as well.
         held = hold_last(np.where(self.left, 1, np.where(moves, 0, -1)), self.away)
         self.returns = np.append(self.away, held[:-1]).astype(bool) & ~self.left
         self.away = int(held[-1])
@@ -226,6 +232,7 @@ class Verifier(Figures):
         known &= all_known(self.machine, nominal.target_known)[owner] & ~nominal.alone[owner]
         known &= ~self.left[owner]
         # a rapid that was cut has one end
+        # only the last piece of a rapid has the end that counts
         known &= (run.code != HOLE) & ((run.code != RAPID) | (t1 > 1.0 - 1e-9))
         whole = (
             all_known(self.machine, run.start_known)
@@ -256,6 +263,8 @@ class Verifier(Figures):
         for g in range(int(group[-1]) + 1 if len(group) else 0):
             which = np.flatnonzero(group == g)
             row = np.repeat(which, count[which])
+            # the first PLACES of each piece: of any number of them the golden section leaves no
+            # large gap
             place = PLACES[
                 np.arange(len(row))
                 - np.repeat(np.cumsum(count[which]) - count[which], count[which])
@@ -298,6 +307,9 @@ class Verifier(Figures):
                     self._trace(run, row, (owner[row], t), places, weights[0], into, path[row])
                 beyond = (distance > self.tolerance) & self.couples & (not slides)
                 aside = turning.aside(beyond, (row, place), command, weight)
+                # The farthest place need not be the one that fails: what a side of another axis
+                # explains (aside) is let pass, and a smaller distance without such an excuse may be
+                # the worse.
                 for worst in np.argmax(distance), np.argmax(distance - aside):
                     of = int(line[owner[row[worst]]])
                     into.take(float(distance[worst]), of, bool(slides), float(aside[worst]))

@@ -147,6 +147,8 @@ class CentreVerifier:
             return
         self.nominal.take()
         self.run.take()
+        # A way is final only when the follower has seen its corner: the last one still waits for
+        # the next block, and with it its neighbour, against which ways are measured as well.
         waiting = self.nominal.shifted.queue
         limit = (waiting[0].owner if waiting else self.count) - 1
         if last:
@@ -164,6 +166,9 @@ class CentreVerifier:
         """Ways of motions before `limit`, against those of the nominal path beside them."""
         for way in contour.ways:
             if way.owner < limit and not way.measured:
+                # A corner of the corrected contour may be cut a little before or behind the nominal
+                # one: the ways of the motions before and behind count too, and the nearest is
+                # taken.
                 near = [w for w in nominal if abs(w.owner - way.owner) <= 1]
                 self._measure(contour, way, near, into)
 
@@ -191,6 +196,7 @@ class CentreVerifier:
         """(A, K) -1 to 1: in which direction each axis moves or has moved last."""
         if isinstance(self.at_work, TipMachine):  # the slides' own ways
             both = (self.at_work.slides(_points(way, np.clip(t + d, 0, 1))) for d in (-NEAR, NEAR))
+            # where it stands a little later less a little earlier: the slides' direction there
             ways = -np.subtract(*both)
             weight = np.where(np.abs(ways) > PLAY_MM * NEAR, np.sign(ways), 0.0)
             return weight if self.directed else np.zeros_like(weight)
@@ -198,6 +204,7 @@ class CentreVerifier:
         turned = np.where(np.abs(travel) > PLAY_MM, np.sign(travel), contour.approach)
         weight = np.repeat(turned[:, None], len(t), axis=1)
         if way.centre is not None:
+            # just inside: at its ends an arc may touch the place where an axis turns back
             angle = _angle(way) + way.sweep * np.clip(t, 1e-6, 1 - 1e-6)
             sense = np.sign(way.sweep)
             weight[way.plane[0]], weight[way.plane[1]] = (
@@ -279,6 +286,7 @@ def _distance(way: Way, actual: np.ndarray, rows: list[int]) -> np.ndarray:
         for row in other:
             t = (actual[row] - way.start[row]) / (way.end[row] - way.start[row])
         expected = _angle(way) + way.sweep * t
+        # off the expected angle by less than half a turn, whole turns taken out
         t = t + np.angle(np.exp(1j * (angle - expected))) / way.sweep
     point = _points(way, np.clip(t, 0.0, 1.0))
     return np.linalg.norm((actual - point)[rows], axis=0)

@@ -22,6 +22,7 @@ def points_of(motions: Motions, curved: np.ndarray, row: np.ndarray, t: np.ndarr
     """(A, K) mm: points of motions at t."""
     start, target = motions.start / TICKS_PER_MM, motions.target / TICKS_PER_MM
     result = start[:, row] + (target - start)[:, row] * t
+    # by itself: start + way * 1 may miss the last digit of the target
     result = np.where(t == 1.0, target[:, row], result)
     on = curved[row] >= 0
     if on.any():
@@ -86,12 +87,14 @@ def _from_arc(
     arm = np.stack([actual[first, column], actual[second, column]]) - arcs.centre[:, arc]
     angle = np.arctan2(arm[1], arm[0])
     expected = arcs.angle[arc] + arcs.sweep[arc] * t
+    # the place of the circle nearest to the point, on the turn that t says
     t = t + np.angle(np.exp(1j * (angle - expected))) / arcs.sweep[arc]
     t = np.clip(t, 0.0, 1.0)
     radius = arcs.radius[arc] + (arcs.radius_end - arcs.radius)[arc] * t
     # From the nominal point at t: outwards, and what is left of the way ahead and along once
     # the helix' own direction is taken out.
     outwards = (np.hypot(*arm) - radius) ** 2
+    # what is left along the circle where t was held at an end of the arc
     turn = radius * np.angle(np.exp(1j * (angle - arcs.angle[arc] - arcs.sweep[arc] * t)))
     pace = radius * arcs.sweep[arc]
     square, along, length = turn**2, turn * pace, pace**2
@@ -99,5 +102,7 @@ def _from_arc(
         way = np.where((first != row) & (second != row), (target - start)[row], 0.0)
         off = np.where((first != row) & (second != row), actual[row] - start[row] - way * t, 0.0)
         square, along, length = square + off**2, along + off * way, length + way**2
+    # pace and way: the helix' direction by t. What of the rest lies along it is no distance from
+    # the path, only a later place on it: by Pythagoras it is taken off.
     square = outwards + np.maximum(square - along**2 / np.maximum(length, 1e-30), 0.0)
     return np.sqrt(square)

@@ -59,7 +59,10 @@ class Figures:
         in: there it must not get worse."""
         self.centre.finish()
         centre = self.centre
+        # where nothing may be put in, an axis that turns back leaves what it left before: not worse
+        # is enough
         better = centre.corrected.deviation <= max(self.allowed, centre.uncorrected.deviation)
+        # rounding of words is let pass as for the rest: allowed less tolerance
         holes = self.holes.deviation <= self.hole_tolerance + self.allowed - self.tolerance
         return better and (
             self.mode in ("ramp", "off") or (holes and self.corrected.rest <= self.allowed)

@@ -37,6 +37,7 @@ class Hole:
         lost motion as such."""
         rapid = np.ones(len(self.t), bool)
         for weight in led.at(self.of, 1.0 * rapid, self.command, 0 * self.command, rapid):
+            # down the hole in both views: its own axis has gone that way from R on
             weight[self.row] = self.sense
             yield weight
 
@@ -57,6 +58,7 @@ def holes_of(machine: Machine, nominal: Motions, run: Motions) -> Iterator[Hole]
     counts = all_known(machine, nominal.target_known)[holes.motion] & ~nominal.alone[holes.motion]
     for k in np.flatnonzero(counts):
         row, motion = int(holes.axis[k]), int(holes.motion[k])
+        # 32 places between R and the bottom, and the bottom itself as the last one (`off`)
         t = np.concatenate([PLACES[:32], [1.0]])
         command = np.repeat(run.target[:, [drilled.motion[k]]] / TICKS_PER_MM, len(t), axis=1)
         top, bottom = drilled.level[k] / TICKS_PER_MM, drilled.bottom[k] / TICKS_PER_MM

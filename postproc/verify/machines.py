@@ -41,6 +41,8 @@ class Warm:
         first, second = self.warmth
         nominal, after = self.heat.course(words, motions, first)
         own, behind = self.heat.course(read_back, back, second)
+        # by the objects themselves: both are looked up while this batch is measured, and replaced
+        # by the next
         self.courses = {id(motions): nominal, id(back): own}
         self.warmth = [after, behind]
 
@@ -77,6 +79,9 @@ class Machines:
             result[:, of] = machine.deviation(command[:, of], weight[:, of])
         for one, value in self.warm.parts(run, where):
             for machine, of in self.each(run, where[0], one):
+                # Linear in each driver, so one machine of one unit serves every moment: no machine
+                # is built for each temperature, and none is rounded to whole steps as the corrected
+                # program is.
                 result[:, of] += value[of] * machine.deviation(command[:, of], weight[:, of])
         return result
 
@@ -85,6 +90,7 @@ class Machines:
     ) -> Iterator[tuple[Machine, np.ndarray]]:
         """The machine (or `only`) with each tool and space; (K,) bool, which motions it runs."""
         whole = only or self.whole
+        # a tool's length matters where something turns, a space where X Y Z are no slides
         if not (whole.turns and run.length.any()) and not run.space.any():
             yield whole, np.ones(len(row), bool)
             return

@@ -44,6 +44,9 @@ class Turning:
         before = self.led.side[:, self.led.leg(row, t)]
         turns = self.back[:, row] | (np.abs(weight[:, at] - before) > LEAST)
         for axis in self.led.slides.rows.tolist():
+            # Deviation with this axis on its + side less that on its - side, the others in the
+            # mean: what it moves them by when it turns. Along itself it counts where no take-up was
+            # made (unled).
             side = np.zeros((len(command), len(at)))
             side[axis] = 1.0
             apart = self.machines.deviation(self.run, (row, t), command[:, at], side)
