@@ -37,6 +37,7 @@ def optic_of(components: list[Component], letter: str, options: Options) -> str:
             " workpiece",
             "calibrate one kind",
         )
+    # a rotary axis has its own errors about its line: no optic lengthens an arm there
     word = said.pop() if said else "tool"
     return "" if letter in ROTARY or word == options.chain.side(letter) else word
 
@@ -64,6 +65,8 @@ def bring_together(
             continue
         optics[letter] = optic_of(list(mine.values()), letter, options)
         arm = [x for x in options.chain.arm(letter, optics[letter]) if x != letter]
+        # The positioning decides where the arm counts from, else a straightness, an angle last: an
+        # angle is the same wherever it was read.
         first = min(mine.values(), key=lambda c: (c.angle, c.name != f"E{letter}{letter}"))
         measured[letter] = {x: first.rest.get(x, 0.0) + options.point[XYZ.index(x)] for x in arm}
         brought, says = _brought(mine, first, arm, options)
@@ -84,6 +87,8 @@ def _brought(
     """The translations of an axis that were measured elsewhere than `first`, as they are there, and
     what is said of each. mine: the components of the axis; arm: the axes whose places count."""
     result, notices = {}, []
+    # An axis of the arm takes the measured point into `measured_at`; across the others it can only
+    # be taken out of the readings.
     beside = {x: -p for x, p in zip(XYZ, options.point, strict=True) if p and x not in arm}
     for component in (c for c in mine.values() if not c.angle):
         away = _apart(first, component, arm)
@@ -125,6 +130,7 @@ def _carried(
             continue
         used.append(angle.name)
         for way in (0, 1):
+            # what a longer arm would have added, read between the angle's own targets
             extra[way] += (
                 sign * distance * np.interp(component.nodes, angle.nodes, angle.value[way])
             )

@@ -101,6 +101,11 @@ def assign(recording: Recording) -> Series | Diagonal:
             'calibration needs kind = "targets": captures at rest, one axis at a time',
         )
     vector = {x: v for x, v in recording.sensitive.items() if abs(v) > 1e-9}
+    #     moves     quantity       read along      component
+    #     Z         displacement   Z               EZZ
+    #     Z         straightness   X               EXZ (a displacement read along X too)
+    #     Z         angle          about Y         EBZ
+    #     X and Z   displacement   their path      a diagonal
     letter, *more = _moving(recording, refuse)
     if more:
         return _diagonal(recording, [letter, *more], vector, refuse)
@@ -116,6 +121,7 @@ def assign(recording: Recording) -> Series | Diagonal:
     run = recording.columns.get("run", np.ones(len(recording)))
     return Series(
         component, letter, recording.file, recording.position(letter), recording.approach(letter),
+        # read towards - of an axis: the sign is turned here, once, and nowhere after it
         run, recording.reading * np.sign(vector[direction]), recording.lines,
         {x: float(np.mean(recording.position(x))) for x in recording.axes if x != letter},
         recording.u, recording.head, recording.columns, notices + recording.notices,
@@ -179,6 +185,7 @@ def _diagonal(
         )
     places = np.stack([recording.position(x) for x in moving])
     centred = places - places.mean(axis=1, keepdims=True)
+    # the first left singular vector: cosines of the line that all places lie on
     along = np.linalg.svd(centred, full_matrices=False)[0][:, 0]
     beside = np.linalg.norm(centred - np.outer(along, along @ centred), axis=0)
     if beside.max() > STRAIGHT:
@@ -203,6 +210,7 @@ def _diagonal(
             " 230-6)",
         )
     along *= np.sign(cosine)
+    # the axis that goes farthest says best in which direction the diagonal was travelled
     lead = moving[int(np.argmax(np.abs(along)))]
     approach = recording.approach(lead) * np.sign(along[moving.index(lead)])
     return Diagonal(

@@ -80,6 +80,7 @@ class Calibration:
         if letter in self.options.travel:
             return self.options.travel[letter]
         nodes = [c.nodes for c in self.measured.values() if c.letter == letter]
+        # of those that were measured, also where they are left out as small
         return (min(n[0] for n in nodes), max(n[-1] for n in nodes)) if nodes else (0.0, 1.0)
 
     @cached_property
@@ -91,6 +92,7 @@ class Calibration:
             if x in self.axes():
                 both = np.zeros((2, 6, len(self.nodes(x))))
                 for component in self.of(x):
+                    # held beyond a component's own targets, as the machine will hold its tables
                     both[:, COMPONENTS.index(component.name[:2])] = self.values(component)
                 stated = tuple(COMPONENTS.index(c.name[:2]) for c in self.of(x))
                 table = AxisTable(x, self.nodes(x), both[0], both[1], stated)

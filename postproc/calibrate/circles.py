@@ -74,6 +74,9 @@ def fit(recordings: Sequence[Recording], known: Sequence[np.ndarray]) -> Circles
     rows, values, sectors, senses = [], [], [], []
     for k, (one, expected) in enumerate(zip(recordings, known, strict=True)):
         part, value, angle, sense = _rows(one, expected, axes)
+        #              SHARED   set-up 1   set-up 2       columns: five for all, then three for
+        #    file 1      x         x                      each file (cos, sin, 1), whose set-up
+        #    file 2      x                    x           is its own
         own = np.zeros((len(value), 3 * len(recordings)))
         own[:, 3 * k : 3 * k + 3] = np.column_stack(
             [np.cos(angle), np.sin(angle), np.ones(len(angle))]
@@ -100,6 +103,7 @@ def fit(recordings: Sequence[Recording], known: Sequence[np.ndarray]) -> Circles
     found = solve @ y
     left = y - terms @ found
     pulls = np.stack([solve[:, sector == k] @ left[sector == k] for k in range(SECTORS)], axis=1)
+    # a file's three and the five shared ones are found from the same sectors
     free = SECTORS - 3 - len(SHARED)
     spread = (
         np.sqrt((pulls**2).sum(axis=1) * SECTORS / free)
@@ -133,6 +137,7 @@ def _rows(
             Place(one.file, 1),
         )
     angle, sense = np.arctan2(arm[1], arm[0])[on], one.columns["sense"][on]
+    # directions of motion: while b is above zero a falls, run from a to b (iso/causes.py)
     first, second = -sense * np.sign(np.sin(angle)), sense * np.sign(np.cos(angle))
     columns = np.column_stack([
         radius * np.cos(2 * angle) / 2, radius * np.sin(2 * angle) / 2, -first * np.cos(angle) / 2,

@@ -98,6 +98,7 @@ class Component:
         """Why the component is not worth correcting; empty where it is."""
         if not np.isfinite(self.largest_u):
             return ""
+        # U of a typical value: a range below it may be nothing but what the values are not known by
         typical = 2.0 * float(np.nanmedian(self.u))
         if self.span < typical:
             return "range"
@@ -151,6 +152,9 @@ def join(series: list[Series], keep_lines: bool) -> Series:
             )
         _one_state(first, other, shared, ours, difference, cells)
         shift = np.full(len(other.reading), difference.mean())
+        # Two set-ups of one straightness differ by a zero and by how the straightedge lay: a line
+        # through three shared targets takes both off. Of two targets the line would also take what
+        # the machine does.
         if first.straight and not keep_lines and len(np.unique(shared)) > 2:
             shift = np.polyval(np.polyfit(shared, difference, 1), other.position)
         parts.append(replace(other, reading=other.reading - shift))
@@ -185,6 +189,7 @@ def _one_state(
     noise = float(np.sqrt(np.nanmean(cells.scatter.s**2))) if cells.scatter.known else 0.0
     if np.sqrt(shape @ shape / free) < max(PLAIN * noise, UM):
         return
+    # less = theirs - ours, so theirs is ratio * ours along the shape of ours, in the least squares
     ratio = 1 + float(less @ shape / (shape @ shape))
     if not 0.5 < ratio < 1.5:
         raise CalibrationError(
@@ -204,6 +209,7 @@ def _shared(cells: Cells, other: Series) -> tuple[np.ndarray, np.ndarray, np.nda
     position, ours, difference = [], [], []
     for way in ways:
         for k, q in enumerate(theirs.nodes):
+            # 0.01 mm: as targets_of makes one target of places
             near = np.flatnonzero(np.abs(cells.nodes - q) < 0.01)
             if len(near) and np.isfinite(theirs.mean[way, k] - cells.mean[way, near[0]]):
                 position.append(q)
@@ -232,6 +238,8 @@ def build(series: list[Series], options: Options) -> Component:
     zero, datum = _datum(cells.nodes, one.letter, options)
     line = _line(cells.nodes, options.line)
     lined = one.straight and not options.keep_lines
+    #    means as read (K or 2K) --fill--> no gaps --line--> no slope --zero--> values as written
+    #              matrix = (1 - 1 zero both) (1 - line both) fill,   u**2 = matrix**2 variance
     matrix = fill
     if lined:
         terms = np.vander(cells.nodes, 2)
@@ -265,6 +273,9 @@ def _fill(cells: Cells) -> tuple[np.ndarray, list[tuple[int, int]]]:
         for gap in np.flatnonzero(cells.n[way] == 0):
             row = np.zeros(k * ways)
             at = int(np.searchsorted(there, gap))
+            #    + o----x----o     between two targets of its direction: on the line through them
+            #    + o----o----x     at an end: what the other direction has there, and the reversal
+            #    - o----o----o     of the nearest target that both have
             if 0 < at < len(there):
                 a, b = there[at - 1], there[at]
                 share = (cells.nodes[gap] - cells.nodes[a]) / (cells.nodes[b] - cells.nodes[a])
@@ -290,6 +301,7 @@ def _line(nodes: np.ndarray, kind: str) -> np.ndarray:
     if kind == "end-points":
         result = np.zeros((2, len(nodes)))
         length = nodes[-1] - nodes[0]
+        # rows: slope, height at 0, as np.vander and polyfit order them
         result[0, 0], result[0, -1] = -1 / length, 1 / length
         result[1, 0], result[1, -1] = nodes[-1] / length, -nodes[0] / length
         return result
@@ -336,6 +348,8 @@ def _uncertainty(
     variance, dof = _variance(one, cells, ways)
     if not np.isfinite(variance).any():
         return np.full(len(matrix), np.nan), np.full(len(matrix), np.nan)
+    # a mean that was filled in has no variance of its own: those that it was filled from are in its
+    # row
     parts = matrix**2 * np.where(cells.n[:ways].ravel() > 0, variance, 0.0)
     total = parts.sum(axis=1)
     if cells.scatter.pooled:
@@ -358,6 +372,8 @@ def _outside(
     k = len(cells.nodes)
     u = np.zeros(k * ways)
     if one.u is not None and not options.u_random and cells.scatter.known:
+        # not through the matrix: what the instrument does wrong everywhere alike does not lessen by
+        # a difference
         u = np.full(k * ways, one.u)
     if options.u_temperature and not one.angle and not one.straight:
         length = np.abs(cells.nodes - (cells.nodes[0] if datum is None else datum))
@@ -373,6 +389,7 @@ def _noise(one: Series, cells: Cells, ways: int, lined: bool) -> tuple[float, fl
     if not np.isfinite(variance).any() or not (variance[used] > 0).all():
         return None
     nodes = np.tile(cells.nodes, ways)[used]
+    # few runs: scatter as it would be of many, so that chi-squared asks the same at every n
     sigma = np.sqrt(variance[used]) * t_factor(dof[used]) / 2.0
     terms = np.vander(nodes, 2 if lined else 1) / sigma[:, None]
     y = cells.mean[:ways].ravel()[used] / sigma

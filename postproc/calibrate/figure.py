@@ -60,6 +60,7 @@ def _outliers(axis: Any, calibration: Calibration, component: Component, one: fl
     for n, outlier in enumerate(o for o in calibration.outliers if o.component == component.name):
         k = int(np.argmin(np.abs(component.nodes - outlier.position)))
         way = 1 if outlier.approach < 0 and component.two_way else 0
+        # the reading's distance from its mean, at the mean as it is drawn (zero and line taken off)
         height = (component.value[way, k] + outlier.value - component.cells.mean[way, k]) / one
         if np.isfinite(height):
             axis.plot(

@@ -91,6 +91,11 @@ def from_diagonals(name: str, rising: float, falling: float, sides: tuple[float,
     CalibrationError for what is no rectangle.
     """
     a, b = sides
+    #         +-----------+      Of a parallelogram the squares of both diagonals add up to
+    #        / rising .'  /      those of all four sides, whatever its angle: a check of the
+    #       /     .' '.  / b     lengths in which the squareness has no part.
+    #      +-----------+
+    #            a
     both = rising**2 + falling**2
     if abs(both - 2 * (a * a + b * b)) > ALIKE * both:
         raise CalibrationError(
@@ -107,6 +112,7 @@ def u_of_diagonals(rising: float, falling: float, sides: tuple[float, float], u:
     100, 5.1.2)."""
     a, b = sides
     value = (rising**2 - falling**2) / (4 * a * b)
+    # d value / d rising, falling, a, b: each length with an error of its own
     slopes = (rising / (2 * a * b), falling / (2 * a * b), value / a, value / b)
     return u * math.hypot(*slopes)
 
@@ -177,6 +183,8 @@ def folder(first: First) -> dict[str, str]:
         comments |= said
     most = _largest(first)
     if USUAL_LIMIT < most <= LARGEST_LIMIT:
+        # a fifth more than asked for, in whole tenths: what a program meets beside the corners is
+        # below it
         data["limits"] = {"max_correction": math.ceil(most * 1.2 * 10) / 10}
         comments["limits.max_correction"] = (
             f"mm; what is stated here asks for up to {most:.2f} mm at the corners"
@@ -195,12 +203,14 @@ def _largest(first: First) -> float:
     """mm: the largest correction of an axis that what is stated asks for, all of one sign."""
     total = dict.fromkeys(first.travel, 0.0)
     for name, (value, _) in first.square.items():
+        # a lean moves the other axis, by its angle times the place of the axis that leans
         total[square.other_of(name)] += abs(value) * max(map(abs, first.travel[name[2]]))
     for x, (commanded, measured) in first.scale.items():
         low, high = first.travel[x]
         way = max(abs(low), abs(high)) if low <= 0 <= high else high - low
         total[x] += abs(measured - commanded) / commanded * way
     for x, size in first.backlash.items():
+        # half of a lost motion lies on each side of the command
         total[x] += abs(size) / 2
     return max(total.values())
 
@@ -222,6 +232,8 @@ def _table(letter: str, first: First, known: bool = False) -> str:
             " measure again, and state the rest",
         )
     low, high = first.travel[letter]
+    # from where a tape or caliper was laid on nothing is known: the scale is zero at the machine's
+    # zero
     zero = 0.0 if low <= 0.0 <= high else low
     nodes = np.array(sorted({low, zero, high}))
     if known:

@@ -31,6 +31,7 @@ def folder(
     data: dict[str, Any] = {"format": FORMAT} | dict(head) | {"chain": "-".join(chain.links)}
     comments = {"": _top(calibration)}
     data["source"] = head.get("source") or _source(calibration)
+    # always "unverified": a first map may have every sign turned, and nothing here could tell
     data["signs"] = calibration.machine.signs
     comments["signs"] = "until gcomp accept has seen a measurement after compensation"
     data["axes"] = {}
@@ -54,6 +55,7 @@ def _section(
     calibration: Calibration, letter: str, said: Mapping[str, Any]
 ) -> tuple[dict[str, Any], dict[str, str]]:
     """The keys of an axis in machine.toml, and comments to them; said: what the model has."""
+    # of the machine that this one is like: travel and speeds, nothing that was measured
     section = {k: said[k] for k in KEPT if k in said}
     comments: dict[str, str] = {}
     if "travel" not in section:
@@ -78,6 +80,7 @@ def _measured(
     comments["table"] = "; ".join(dict.fromkeys(c.file for c in calibration.of(letter)))
     at = calibration.measured_at.get(letter, {})
     if at and letter in "XYZ":
+        # a rotary axis has no arm from a place of the slides: its centre is its zero
         section["measured_at"] = {x: round(v, 6) for x, v in at.items()}
         comments["measured_at"] = "where the other axes of the arm stood"
     if calibration.optics.get(letter):
@@ -196,7 +199,10 @@ def _uncertainty(calibration: Calibration, letter: str) -> str:
             continue
         u = 2 * component.u
         if component.two_way and calibration.options.mean:
+            # no less than the mean of two u, which are independent at best and alike at worst
             u = np.tile(u.mean(axis=0), (2, 1))
+        # Between two of its own targets a value is a share of either: its u is at most theirs by
+        # shares, which is what linear u says.
         both = np.stack([np.interp(nodes, component.nodes, way) for way in u])
         columns |= _columns(calibration, component, both)
     return axis_table(letter, nodes, columns, comments) if columns else ""
@@ -211,6 +217,7 @@ def _runs(calibration: Calibration, letter: str) -> str:
         for way in (0, 1) if component.two_way else (0,):
             for k, node in enumerate(component.nodes):
                 u = float(component.u[way, k]) / one
+                # runs as recorded, so that whoever doubts a value finds what stands behind it
                 rows.append(
                     {
                         position: float(node),

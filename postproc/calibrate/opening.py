@@ -35,6 +35,7 @@ def of_line(
 ) -> float:
     """rad: slope that the tables give a straightness (EXZ: X read while Z moves over nodes (N,) mm)
     with the other axes at `at`, mm (0 where none is named)."""
+    # in the mean of both directions, as a line is laid through means
     machine, kind = calibration.machine, calibration.options.line
     position = machine.at({**at, component[2]: nodes}, len(nodes))
     off = machine.deviation(position, np.zeros_like(position))
@@ -65,6 +66,8 @@ def known_to(calibration: Calibration, name: str, at: Mapping[str, float], movin
     for x in calibration.options.chain.axes:
         angle = calibration.components.get(f"E{name[0]}{x}")
         arm = calibration.options.chain.arm(x, calibration.optics.get(x, ""))
+        # an angle of x acts on `moving` where x carries it: the other axes' angles do not turn its
+        # line
         if angle is not None and x != moving and moving in arm:
             u = np.nan_to_num(angle.u).max(axis=0)
             total += float(np.interp(at.get(x, 0.0), angle.nodes, u)) ** 2

@@ -64,6 +64,9 @@ def _against_runs(series: Series, cells: Cells) -> list[Outlier]:
     if not many.any():
         return []
     dof = cells.n[many] - 1.0
+    # s**2 * dof / median of chi-squared: each cell's variance as its median would have it, so that
+    # few runs do not make the scale too small; over all cells the median, so that outliers do not
+    # make it large.
     typical = np.sqrt(np.median(cells.s[many] ** 2 * dof / chi_squared(dof, 0.5)))
     typical = max(float(typical), _floor(series))
     result = []
@@ -75,6 +78,7 @@ def _against_runs(series: Series, cells: Cells) -> list[Outlier]:
             others = series.reading[rows[rows != row]]
             middle = float(np.median(others))
             spread = MAD * float(np.median(np.abs(others - middle)))
+            # a reading against the median of n others: variance 1 + pi / (2 n)
             scale = max(typical, spread) * np.sqrt(1.0 + np.pi / 2 / len(others))
             off = float(series.reading[row]) - middle
             if abs(off) > RUNS * scale:
@@ -101,6 +105,7 @@ def _against_neighbours(series: Series, cells: Cells) -> list[Outlier]:
     scale = spread * np.maximum(np.maximum(usual, local), noise)
     odd = known & (np.abs(off) > NEIGHBOURS * scale)
     if cells.two_way:
+        # rows exchanged: what the other direction has at the same target
         odd &= ~_shown_by(off[::-1], off)
     result = []
     for way, k in np.argwhere(odd):
@@ -118,6 +123,7 @@ def _residuals(nodes: np.ndarray, mean: np.ndarray) -> tuple[np.ndarray, np.ndar
     off, spread, local = np.zeros(len(nodes)), np.full(len(nodes), np.nan), np.zeros(len(nodes))
     there = np.flatnonzero(np.isfinite(mean))
     for i, k in enumerate(there):
+        #     o  o  o  x  o  o  o     three on each side; at an end six on the one side
         first = min(max(0, i - WINDOW), max(0, len(there) - 2 * WINDOW - 1))
         near = np.delete(there[first : first + 2 * WINDOW + 1], i - first)
         if len(near) < 5:
@@ -128,6 +134,8 @@ def _residuals(nodes: np.ndarray, mean: np.ndarray) -> tuple[np.ndarray, np.ndar
         at = solve[2]  # the parabola's value at the target itself
         off[k] = mean[k] - at @ mean[near]
         leverage = float(at @ at)
+        # beyond the end the parabola predicts nothing: any reading would lie within its own
+        # uncertainty
         if leverage > NO_POWER:
             continue
         left = mean[near] - terms @ (solve @ mean[near])

@@ -102,6 +102,7 @@ def numbers_of(component: Component) -> dict[str, float | None]:
     unit; None: not known."""
     _, one = unit_of(component.name)
     scatter = component.cells.scatter
+    # NaN at targets that were filled in: no reading stands behind their reversal
     b = np.abs(component.reversal)
     s = math.sqrt(float(np.nanmean(scatter.s**2))) / one if scatter.known else None
     u = component.largest_u / one
@@ -220,6 +221,7 @@ def _component(component: Component, why: str | None) -> dict[str, Any]:
         "n": column(component.cells.n.astype(float)),
         "u_each": column(component.u / one),
         "coverage_factor_of_u": 2.0,
+        # u is told so that 2 u covers 95 %: who wants the plain u divides by this
         "t_factor_in_u": float(t_factor(dof)) / 2 if math.isfinite(dof) else 1.0,
         "slope": component.slope / one,
         "line_removed": component.lined,

@@ -44,6 +44,8 @@ class Sorted:
             self.diagonals.append(one)
             return
         before = self.series.get(one.component, [])
+        # Two lines of one axis are two tables; the first file says which one this is. Angles alone
+        # are the same on all of them.
         away = elsewhere(before[0], one) if before else None
         if away is not None:
             self.refused.append(away)
@@ -93,6 +95,8 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
     if not got.series:
         raise _nothing(got.refused)
     measured = {name: build(parts, options) for name, parts in got.series.items()}
+    # before they are brought together: an angle that is noise may not move a straightness by its
+    # arm
     left_out, kept = _standing_out(measured, options)
     kept, measured_at, optics, carried = bring_together(kept, options)
     findings = got.findings + [Finding("measured-at", "note", "", text) for text in carried]
@@ -100,6 +104,7 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
         options, kept, left_out, got.refused, got.outliers, got.diagonals, measured_at, optics,
         round_,
     )  # fmt: skip
+    # needs the machine of all components: each source is asked what they leave of it
     square, says = squaring.determine(result)
     result = replace(result, squareness=square, findings=findings + says)
     return replace(result, findings=result.findings + _checked(result))

@@ -64,6 +64,7 @@ def name_for(pair: str, wanted: Mapping[str, object], axes: tuple[str, ...]) -> 
     for name in wanted:
         if name in NAMES and pair_of(name) == pair:
             return name
+    # the thesis' grinder and lathes: Z is the primary axis, X leans (contract of a machine)
     return "B0X" if pair == "XZ" and "Y" not in axes else DEFAULT[pair]
 
 
@@ -108,6 +109,8 @@ def from_diagonals(
     terms = np.ones((len(slopes), len(names) + 1))
     for i, c in enumerate(directions):
         for j, name in enumerate(names):
+            # At s along the diagonal the leaning axis stands at s c_leaning; the deviation lies
+            # along the other and shows with its cosine: sign value c_leaning c_other per mm.
             terms[i, j] = sign(name) * c.get(other_of(name), 0.0) * c.get(name[2], 0.0)
     rank = np.linalg.matrix_rank(terms, tol=1e-6)
     if rank < terms.shape[1]:

@@ -44,6 +44,7 @@ def determine(calibration: Calibration) -> tuple[dict[str, Squareness], list[Fin
             result[name] = _wanted(name, wanted, found.get(name, {}))
     for name, sources in found.items():
         if name not in result:
+            # one that states no u (a square whose own error is in it) is the last choice
             best = min(sources.values(), key=lambda s: np.inf if s.u is None else s.u)
             result[name] = best
         findings += _compare(result[name], sources)
@@ -58,6 +59,8 @@ def _stated(calibration: Calibration, name: str, wanted: tuple[float, float | No
     at = calibration.options.square_at
     if not at:
         return Squareness(name, value, u, "stated")
+    # A square that stands where the tables are zero reads S, elsewhere S + opened: there the axis
+    # that carries the other one is turned by its own angle.
     opened = opening.opened(calibration, name, at)
     known = [opening.known_to(calibration, name, at, x) for x in square.pair_of(name)]
     where = ", ".join(f"{x} = {v:g}" for x, v in at.items())
@@ -194,6 +197,7 @@ def _against_one_square(
     for pair in itertools.product(*(component.series for component in both)):
         (reference, turned), (its, its_turned) = map(_square_of, pair)
         if (asked or (reference and reference == its)) and turned == its_turned:
+            # each without what the axes' own angles make of it where it was read (opening.py)
             slopes = {s.component: _slope(calibration, s) for s in pair}
             found.setdefault(turned, []).append(square.from_slopes(name, slopes))
     return {turned: float(np.mean(values)) for turned, values in found.items()}
@@ -209,6 +213,9 @@ def _with_the_square(
 ) -> Squareness:
     """What the square's own error makes of it. means: rad, by whether it lay turned over."""
     if len(means) == 2:
+        #    as it lies     value + sign * over     turned over, the square's own error changes its
+        #    turned over    value - sign * over     sign: half the sum is the machine, half the
+        #                                           difference the square
         own = -square.sign(name) * (means[True] - means[False]) / 2
         remark = (
             f"the square turned over: its own angle is 90 degrees {own / URAD:+.1f} urad, and"
@@ -331,6 +338,8 @@ def _round(calibration: Calibration, recording: Recording, plane: str) -> np.nda
     arm = np.stack([recording.position(x) - recording.head["centre"][x] for x in plane])
     unit = arm / np.hypot(*arm)
     sense = recording.columns["sense"]
+    # as on any circle (iso/causes.py): the axis moves against the sine, along the cosine of the
+    # angle
     ways = zip(plane, (-sense * np.sign(unit[1]), sense * np.sign(unit[0])), strict=True)
     approach = machine.at(dict(ways), len(recording))
     off = machine.deviation(position, approach)
@@ -361,4 +370,5 @@ def _leftover(calibration: Calibration, diagonal: Diagonal) -> tuple[float, floa
     fit, *_ = np.linalg.lstsq(terms, left, rcond=None)
     rest = left - terms @ fit
     free = max(1, len(left) - terms.shape[1])
+    # slope, and its u: residual scatter times the root of its element of (T'T)**-1
     return float(fit[0]), float(np.sqrt(rest @ rest / free * np.linalg.pinv(terms.T @ terms)[0, 0]))

@@ -86,6 +86,8 @@ def cells_of(position: np.ndarray, approach: np.ndarray, reading: np.ndarray) ->
     k = len(nodes)
     ways = sorted({int(a) for a in approach} - {0})
     two_way = len(ways) == 2
+    # measured one way, a reading without a direction counts too: there is but one column to put it
+    # in
     index = np.where(approach > 0, at, np.where(approach < 0, at + k, -1)) if two_way else at
     mean, s, n = _moments(index, reading, 2 * k if two_way else k)
     if not two_way:
@@ -119,6 +121,7 @@ def _scatter(s: np.ndarray, n: np.ndarray) -> Scatter:
     if total == 0:
         return Scatter(np.full(s.shape, np.nan), np.ones(s.shape), False)
     common = float(np.nansum(dof * np.nan_to_num(s) ** 2) / total)
+    # a cell of one reading says nothing of its scatter, and takes what the others say
     few = dof == 0
     variance = np.where(few, common, np.nan_to_num(s) ** 2)
     pooled = True

@@ -60,7 +60,11 @@ def _paths(
     stays = on_table and calibration.optics.get(letter) == "tool"
     for turns, reads in zip(*means, strict=True):
         turn, read = np.interp(nodes, angle.nodes, turns), np.interp(nodes, straight.nodes, reads)
+        # On a table the tool's point wanders over it as the table moves: read there, the angle
+        # times the way is in the reading, and the rail's own path is what is left.
         read = read - stays * sign * turn * nodes
+        #       .-'''-.        The angle is the rail's slope: adding up angle times way draws the
+        #     .' EBZ    '.     rail, but for its height (a constant) and its set-up (a line).
         path = np.concatenate([[0.0], np.cumsum((turn[1:] + turn[:-1]) / 2 * np.diff(nodes))])
         path *= -sign if on_table else sign
         pairs.append((_without_line(nodes, read), _without_line(nodes, path)))

@@ -75,6 +75,8 @@ def _held(calibration: Calibration, component: Component, low: float, high: floa
     ends = []
     for at, edge, travel in ((0, nodes[0], low), (-1, nodes[-1], high)):
         own = component.nodes[at]
+        # a component may end before its axis' other ones: up to the last of them its end value is
+        # in the table
         clamped = calibration.options.outside == "clamp" and abs(travel - own) > NEAR
         worst = float(np.abs(component.value[:, at]).max()) / one
         if (clamped or abs(own - edge) > NEAR) and worst > WORTH:

@@ -34,6 +34,7 @@ def _drift(name: str, series: Series) -> list[Finding]:
     within = np.concatenate(
         [left[used & (series.run == r)] - h for r, h in zip(runs, height, strict=True)]
     )
+    # scatter of the mean of one run: that within the runs by the root of readings a run
     each = float(
         np.sqrt(within @ within / max(1, len(within) - len(runs)) / (len(within) / len(runs)))
     )

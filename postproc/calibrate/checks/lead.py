@@ -25,6 +25,8 @@ def check(calibration: Calibration) -> Iterator[Finding]:
         component = calibration.measured.get(f"E{letter}{letter}")
         if component is None:
             continue
+        # each target as a hand of a clock; twice: half turns, where a second harmonic hides
+        # (iso/positioning.py)
         phase = 2 * np.pi * component.nodes / lead
         alike = float(np.abs(np.exp(1j * phase).mean()))
         twice = float(np.abs(np.exp(2j * phase).mean()))

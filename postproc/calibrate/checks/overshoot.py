@@ -18,6 +18,7 @@ def check(calibration: Calibration) -> Iterator[Finding]:
     for name, component in calibration.measured.items():
         if name != f"E{component.letter}{component.letter}" or not component.two_way:
             continue
+        # reversal B is forward less reverse (ISO 230-2); lost motion reverse less forward
         lost = -component.reversal
         if text := overshoot.sentence(name, lost, _known_to(component)):
             unit, one = unit_of(name)

@@ -57,6 +57,7 @@ def _positions(calibration: Calibration, component: Component) -> list[Finding]:
     unit = place_name(component.letter)
     numbers = {f"largest_{unit}": largest, f"travel_{unit}": reach}
     diameter = component.letter in calibration.options.diameter
+    # up to twice the travel, and 1 % for what the tables stretch beyond it
     if diameter and reach < largest <= 2.02 * reach:
         text = (
             f"targets of {component.name} reach {largest:g} mm, the travel {reach:g}: are they"

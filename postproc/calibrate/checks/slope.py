@@ -22,6 +22,7 @@ def check(calibration: Calibration) -> Iterator[Finding]:
         steep = np.abs(np.diff(component.value) / np.diff(component.nodes)) / one
         way, at = np.unravel_index(int(np.argmax(steep)), steep.shape)
         worst, limit = float(steep[way, at]), calibration.options.max_slope * 1e3
+        # 1e-6: a slope at the limit itself, as numbers in a file often are, is not over it
         if worst <= min(WARN, limit) + 1e-6:
             continue
         mm = place_name(component.letter)

@@ -65,6 +65,7 @@ def _expansion(
 ) -> list[Finding]:
     """A slope of the size and sign of an expansion."""
     letter = component.letter
+    # the axis' own scale or screw, else all thermometers there were
     own = [n for n in columns if re.search(rf"_{letter}_C$", n)] or list(columns)
     at = float(np.mean([columns[n].mean() for n in own])) - REFERENCE
     expected = calibration.options.expansion * at
@@ -87,6 +88,7 @@ def _expansion(
             ),
         ),
     ):
+        # + expected: nobody has taken the expansion out; - expected: it was taken out twice
         if abs(slope - sign * expected) < ALIKE * abs(expected):
             text = (
                 f"{component.name} has a slope of {slope * 1e6:+.1f} um/m; at {at + REFERENCE:.1f}"
