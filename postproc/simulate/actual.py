@@ -93,6 +93,7 @@ class Reality:
             return
         first, later = (self._then(state, t) for t in self._moments())
         if self.timeline.conditions.begin:
+            # the experiment may have begun before this program: heat counts from its beginning
             first.time[0] = 0.0
         # At one and the same moment a capture at the end of a rest stands before what comes then.
         whole = joined(joined(first, state), later)
@@ -104,6 +105,8 @@ class Reality:
                     f"{term.key} needs {missing.args[0]!r}, which is not simulated on"
                     f" {self.machine.name}"
                 ) from None
+            # the first row and the moments were there for time and heat to count from: cut off
+            # again
             yield value[..., 1 : 1 + len(state)]
 
     def _then(self, state: State, time: np.ndarray) -> State:
@@ -118,7 +121,10 @@ class Reality:
 
     def _geometry(self, state: State, piece: np.ndarray) -> np.ndarray:
         bare = replace(
-            self.machine, effects=tuple(e for e in self.machine.effects if e.module is None)
+            # terms (heat) without a module stay: growth of a moment is tables alone, with no
+            # equation of its own
+            self.machine,
+            effects=tuple(e for e in self.machine.effects if e.module is None),
         )
         position = np.stack([state.position[x] for x in bare.letters])
         approach = np.stack([state.approach[x] for x in bare.letters])

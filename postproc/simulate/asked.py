@@ -72,6 +72,8 @@ def targets(low: float, high: float, step: float, even: bool) -> np.ndarray:
     places = low + (high - low) * np.arange(number + 1) / number
     if even:
         return np.round(low + step * np.arange(int((high - low) / step + 1e-9) + 1), 4)
+    # By up to a quarter of a step either way, by multiples of the golden section: targets lie at
+    # unlike phases of any period, and the same test has the same targets every time.
     moved = places + 0.5 * ((np.arange(number + 1) * GOLDEN) % 1.0 - 0.5) * (high - low) / number
     moved[0], moved[-1] = low, high
     return np.round(moved, 3)

@@ -28,6 +28,7 @@ def positioning(write: Writer, ask: Ask) -> Test:
     low, high = ranges(write.machine, overrun)[axis]
     at = targets(low, high, ask.of("step", (high - low) / 16), bool(ask.of("even", 0.0)))
     rest = middle(write.machine, axis)
+    # where the others stand decides the arm of every angle: at_X says another line than the middle
     rest |= {x: ask.of(f"at_{x}", v) for x, v in rest.items()}
     feed, dwell = ask.of("feed", 2000.0), ask.of("dwell", 3.0)
     write.begin(f"positioning of {axis}")
@@ -46,6 +47,7 @@ def period(write: Writer, ask: Ask) -> Test:
     axis = ask.axes
     low, high = ranges(write.machine, OUTRUN)[axis]
     way = min(ask.of("way", 60.0), high - low)
+    # within the travel, whichever middle is asked for
     begin = min(max(ask.of("at", (low + high) / 2) - way / 2, low), high - way)
     at = targets(begin, begin + way, min(ask.of("step", 1.0), way / 2), False)
     feed, dwell = ask.of("feed", 1000.0), ask.of("dwell", 2.0)
@@ -66,6 +68,10 @@ def arms(write: Writer, ask: Ask) -> Test:
     low, high = room[axis]
     at = targets(low, high, ask.of("step", (high - low) / 12), False)
     feed, dwell, runs = ask.of("feed", 2000.0), ask.of("dwell", 3.0), ask.count("runs", 2)
+    #     X ^   .- - - - - o    Z on its first line (all others low), then with X high, then with Y
+    #       |   |               high: a rotation of Z differs between lines by angle times distance
+    #       |   o - - - - - o
+    #       +----------------> Z
     rest = {x: place[0] for x, place in room.items() if x != axis}
     if not rest:
         raise UsageError(f"{axis} is the only slide: there is no second line", f"like angle:{axis}")
@@ -87,6 +93,7 @@ def _there_and_back(
     write.go({axis: float(at[0]) - overrun}, feed)
     for place in at:
         write.stop({axis: float(place)}, feed, dwell)
+    # beyond the last target, or coming back would begin there without a reversal (ISO 230-2)
     write.go({axis: float(at[-1]) + overrun}, feed)
     for place in at[::-1]:
         write.stop({axis: float(place)}, feed, dwell)
@@ -123,6 +130,9 @@ def ballbar(write: Writer, ask: Ask) -> Test:
     radius = _radius(ask, reach)
     feed = ask.of("feed", 1000.0)
     first, second = plane[0], plane[1]
+    #             .---.        From `lead` outside to (radius, 0), two whole turns, and out again:
+    #            (  +  )--->   half a turn of run-in and of run-out leave the middle one at full
+    #             '---'        feed, and the ballbar keeps that.
     lead = min(2.0, reach - radius)
     write.begin(f"ballbar in {first}{second}")
     write.lines.append(PLANES[plane][0])
@@ -151,6 +161,7 @@ def ballbar(write: Writer, ask: Ask) -> Test:
 
 def _radius(ask: Ask, reach: float) -> float:
     """mm: as asked for, or what ballbars are made for. Raises UsageError beyond `reach`."""
+    # lengths of ballbars that are sold; 0.9: room for the lead
     usual = (r for r in (300.0, 250.0, 150.0, 100.0, 75.0, 50.0, 25.0, 10.0) if r <= 0.9 * reach)
     radius = ask.of("radius", next(usual, reach / 2))
     if radius > reach:
@@ -176,6 +187,9 @@ def staircase(write: Writer, ask: Ask) -> Test:
         for sign in (1.0, -1.0):
             write.go({axis: place - sign * 2 * longest}, feed)
             write.stop({axis: place}, feed, dwell)
+            #    <----    Each way is twice the one before: windup grows with the way behind the
+            #      <--    turn, plain backlash is there at once. Between two of them a long way
+            #       <-    turns the slide round whole.
             for size in longest / 500.0 * 2.0 ** np.arange(10):
                 way = max(
                     round(float(min(size, longest)), write.places[axis]),
@@ -204,6 +218,7 @@ def feeds(write: Writer, ask: Ask) -> Test:
     write.begin(f"feeds of {axis}")
     write.rest(middle(write.machine, axis), 1000.0)
     write.go({axis: place}, 1000.0)
+    # equal ratios: lag goes with the speed, and is to be told from what does not
     speeds = np.geomspace(
         ask.of("slowest", 60.0), ask.of("fastest", 3000.0), ask.count("number", 5)
     )
@@ -223,11 +238,14 @@ def soak(write: Writer, ask: Ask) -> Test:
     axis = ask.axes
     low, high = ranges(write.machine, OUTRUN)[axis]
     feed, hours, period = ask.of("feed", 4000.0), ask.of("hours", 1.0), ask.of("period", 300.0)
+    # so many ways there and back as fill one period between two readings
     cycles = max(1, round(period / (2 * (high - low) / feed * 60.0)))
     write.begin(f"warming of {axis}")
     write.rest(middle(write.machine, axis), feed)
     number = max(2, round(hours * 3600.0 / period))
+    # two places: a screw that grows from one end moves them unlike, a frame both alike
     near, far = low + 0.05 * (high - low), high - 0.05 * (high - low)
+    # heat, then rest: the time constant shows twice, rising and falling
     for runs in (True, False):
         for _ in range(number):
             write.go({axis: low}, feed)

@@ -51,6 +51,8 @@ def turns(path: Path, plan: Plan, play: float) -> Turns:
         sign = np.sign(d[moving])
         run = np.cumsum(np.concatenate([[0], sign[1:] != sign[:-1]]))
         total = np.bincount(run, np.abs(d[moving]))
+        # A way back that is shorter than the play, all its pieces together, turns nothing: the axis
+        # keeps its side, and its distance goes on.
         whole = total[run] >= play
         if not whole.any():
             continue
@@ -61,6 +63,8 @@ def turns(path: Path, plan: Plan, play: float) -> Turns:
         before = np.concatenate([[0.0], now[:-1]])
         turn = np.where((now != before) & (before != 0), np.arange(shape[1]), -1)
         turned = np.maximum.accumulate(turn)
+        # way in both directions together: what it has gone since a turn is a difference of two of
+        # these
         gone = np.concatenate([[0.0], np.cumsum(np.abs(d))])
         at = np.maximum(turned, 0)
         approach[axis] = now
@@ -89,11 +93,13 @@ class Warmth:
         """(K,) degrees Celsius of what follows the air within tau s, and had its temperature at the
         start."""
         rate = self.heat.drift / 3600.0
+        # first order behind a ramp: it follows it tau late, once the beginning has faded
         return self.heat.air + rate * (time - tau * (1.0 - np.exp(-time / tau)))
 
     def screw(self, letter: str, time: np.ndarray, piece: np.ndarray) -> np.ndarray:
         """(K,) degrees Celsius."""
         row, tau = self.letters.index(letter), self.heat.tau
+        # K at a steady speed: gain per m/min, and 0.06 m/min are 1 mm/s
         level = self.heat.gain * self.speed[row, piece] * 0.06
         fade = np.exp(-np.maximum(time - self.start[piece], 0.0) / tau)
         return self.following(time, tau) + level + (self.excess[row, piece] - level) * fade

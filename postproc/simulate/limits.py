@@ -32,6 +32,7 @@ class Limits:
 
     def tiled(self, extra: int) -> Limits:
         """The same with axes behind them that are no slides and bound nothing."""
+        # a printer's E: a place that goes along and bounds nothing
         more = np.full(extra, np.inf)
         return replace(
             self,

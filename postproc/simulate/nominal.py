@@ -48,6 +48,7 @@ def against(signal: Signal, nominal: Signal) -> Signal:
             "was it corrected from another program?",
         )
     columns = dict(signal.columns)
+    # reading_um or reading_urad
     reading = next(name for name in columns if name.startswith("reading_"))
     shift = _shift(signal, nominal)
     columns |= {
@@ -56,6 +57,7 @@ def against(signal: Signal, nominal: Signal) -> Signal:
         if name in columns and PLACE.fullmatch(name)
     }
     if signal.head["quantity"] != "angle":
+        # reading against the command + (command - target) = actual - target; um
         columns[reading] = columns[reading] + shift * 1e3
     return replace(signal, columns=columns)
 

@@ -75,6 +75,8 @@ class Curves:
 
     def parameter(self, s: np.ndarray, length: np.ndarray) -> np.ndarray:
         """(n,) t at which s (n,) mm are gone."""
+        # exact for arcs and helices; on spirals the pace changes along t, and Newton's steps find
+        # it
         t = s / length
         for _ in range(6 if np.any(self.r0 != self.r1) else 0):
             t = np.clip(t - (self.length(t) - s) / self.pace(t), 0.0, 1.0)
@@ -146,6 +148,8 @@ class Path:
 def of(steps: Steps, letters: tuple[str, ...], corner: float) -> Path:
     """The path of a program whose corners are cut by `corner` mm at most; 0: kept as they are."""
     end = steps.end
+    # an arc is a row of curves, a line a row of lines; `key` brings both back into the order of
+    # steps
     begin = np.concatenate([steps.begin[:, None], end[:, :-1]], axis=1)
     linear = np.array([x in XYZ for x in letters])
     way = end - begin
@@ -171,6 +175,7 @@ def of(steps: Steps, letters: tuple[str, ...], corner: float) -> Path:
                 for n in Curves.__dataclass_fields__
             }
         )
+        # a cut corner comes behind its step, and before the next: + 0.5
         owner, key = np.append(owner, cut_owner), np.append(key, cut_owner + 0.5)
     which, t0, t1 = _turning(curves)
     curves = curves.pick(which).part(t0, t1)
@@ -232,9 +237,15 @@ def _cut_corners(
     size = length[step]
     d = (lines["end"] - lines["begin"]) / np.where(size > 0, size, 1.0)
     d1, d2 = d[:, k], d[:, k + 1]
+    # by half angles: of nearly equal directions arccos of their product has no digits left
     angle = 2 * np.arctan2(np.linalg.norm(d1 - d2, axis=0), np.linalg.norm(d1 + d2, axis=0))
     cut = (angle > STRAIGHT) & (angle < BACK)
     k, d1, d2, angle = k[cut], d1[:, cut], d2[:, cut], angle[cut]
+    #     d1  ----o......+  corner      trim: o to +, r tan(angle / 2), of either side at most 0.45
+    #              '.  off:             off: from + to the arc, r (1 / cos(angle / 2) - 1), here
+    #                 '.  :             without the cancellation of small angles
+    #                    'o
+    #                     |  d2
     reach = 0.45 * np.minimum(size[k], size[k + 1])
     # how far a circle of radius 1 misses the corner
     off = 2 * np.sin(angle / 4) ** 2 / np.cos(angle / 2)
@@ -268,6 +279,8 @@ def _turning(curves: Curves) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         index = first[owner] + np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
         t = (extreme[owner] + index * np.pi - curves.phi[owner]) / span[owner]
         depth = curves.r0[owner] * size[owner]
+        # A curve that ends a hair behind an extreme would be cut into a piece of no length, and its
+        # axis turn back by less than anything can show.
         deep = [
             depth * (1 - np.cos(np.minimum(np.abs(span[owner]) * u, np.pi))) > SHALLOWEST
             for u in (t, 1 - t)

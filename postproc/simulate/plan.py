@@ -50,6 +50,10 @@ class Plan:
 
     def at(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """(K,) piece, way gone in it, speed and acceleration at these times."""
+        #    a ^  ._.               phases 0 1 2   up: ramp, flat, ramp
+        #      | /   \              phase  3       hold (or the rest of a dwell)
+        #      +------'---.  ,-> t  phases 4 5 6   down: ramp, flat, ramp
+        #                  \_/
         piece = np.clip(np.searchsorted(self.start, time, side="right") - 1, 0, len(self.start) - 2)
         left = time - self.start[piece]
         begin = np.cumsum(self.duration[:, piece], axis=0) - self.duration[:, piece]
@@ -78,6 +82,7 @@ def of(path: Path, limits: Limits, cycle: float) -> Plan:
         else _trapezoid(v0, v1, path.length, bounds)
     )
     wait = path.steps.wait[path.step]
+    # a dwell is a piece of no length that holds for its time at speed zero
     phases[0][3] = np.where(np.isnan(wait), phases[0][3], wait)
     duration, s, v, a, j = phases
     return Plan(duration, s, v, a, j, np.concatenate([[0.0], np.cumsum(duration.sum(axis=0))]))
@@ -107,6 +112,8 @@ def _bounds(path: Path, limits: Limits) -> Bounds:
         # share of the speed in the plane
         flat = np.where(spiral, 1.0, outer * turn / np.hypot(outer * turn, c.rise))
         rise = np.abs(c.axial) / np.hypot(inner * turn, np.sqrt((c.axial**2).sum(axis=0)))
+        # v**2 / r across the bend must stay below 0.866 of an axis' acceleration. A spiral r = r0 +
+        # k phi is bent most where k is r / sqrt(2): 2 / 1.5**1.5 = 1.09 times 1 / r.
         bend = (
             BEND
             * least(limits.acceleration, plane)
@@ -168,6 +175,9 @@ def _look_ahead(length: list[float], joint: np.ndarray, bounds: Bounds, smooth: 
     v, acceleration = joint.tolist(), bounds.acceleration.tolist()
     jerk = bounds.jerk.tolist()
     reach = _reach if smooth else (lambda v0, way, a, j: math.sqrt(v0 * v0 + 2.0 * a * way))
+    #    v ^    .--.        First from the end, what can be braked from, then from the beginning,
+    #      |   /    \  .    what can be reached: each joint is then as fast as all pieces before
+    #      |  /      \/     and behind it allow.
     for k in range(len(length) - 1, -1, -1):
         if v[k] > v[k + 1]:
             v[k] = min(v[k], reach(v[k + 1], length[k], acceleration[k], jerk[k]))
@@ -223,6 +233,8 @@ def _smooth(v0: np.ndarray, v1: np.ndarray, length: np.ndarray, bounds: Bounds) 
     """Phases of pieces at limited jerk too."""
     a = np.where(np.isfinite(bounds.acceleration), bounds.acceleration, 1.0)
     j = np.where(np.isfinite(bounds.jerk), bounds.jerk, a * 1e9)
+    # the top lies between the faster end and the wanted speed; 60 halvings are below a float's
+    # digits
     low = np.maximum(v0, v1)
     high = np.maximum(bounds.speed, low)
     fits = _way(v0, high, a, j) + _way(v1, high, a, j) <= length
@@ -249,6 +261,7 @@ def _smooth(v0: np.ndarray, v1: np.ndarray, length: np.ndarray, bounds: Bounds) 
 
 def _phases(duration: np.ndarray, v0: np.ndarray, a: np.ndarray, j: np.ndarray) -> list[np.ndarray]:
     """duration, s, v, a, j (7, P) from durations, first speeds, accelerations and jerks."""
+    # speed gained in each phase; summed up less its own it is the speed at which each begins
     gain = duration * (a + duration * j / 2)
     v = v0 + np.cumsum(gain, axis=0) - gain
     way = duration * (v + duration * (a / 2 + duration * j / 6))

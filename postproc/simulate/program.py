@@ -88,6 +88,8 @@ class Reader:
             lambda words, motions, pieces, output, lines: self._batch(words, motions, lines)
         )
         for portion in text:
+            # The filter refuses its own output, so that none is corrected twice. Here that is
+            # wanted: the mark is hidden from it in the same number of bytes.
             self.corrected |= bool(marks.PROGRAM[0].search(portion))
             filter_.feed(marks.PROGRAM[0].sub(lambda found: found[0].replace(b" ", b"_"), portion))
         filter_.finish()
@@ -118,6 +120,8 @@ class Reader:
         arc[motions.arcs.motion] = np.arange(len(motions.arcs)) + sum(map(len, self.arcs))
         self.arcs.append(motions.arcs)
         target = np.where(motions.target_known, motions.target / TICKS_PER_MM, np.nan)
+        #    3 b          3 b + 1       3 b + 2       of block b: one sort brings motions and rests
+        #    M3, M6       its motion    G4, M0, M5    into the order in which they are done
         order = [3.0 * b + 1.0 for b in motions.block.tolist()]
         columns = {
             "end": target,
@@ -154,6 +158,7 @@ class Reader:
         """(N,) mm/s, of inverse time 1/s. Raises GcompError for a motion without one."""
         feed = motions.feed * pace.unit_of_feed(motions) / 60.0
         feed = np.where(np.isnan(feed), self.feed, feed)
+        # G93: F is blocks a minute, whatever their length
         feed = np.where(motions.inverse, motions.feed / 60.0, feed)
         turning, cuts = spindle.rpm[motions.block], motions.code != RAPID
         by_turn = (spindle.mode[motions.block] == pace.PER_TURN) & cuts
@@ -239,6 +244,8 @@ class Reader:
         c = {k: np.concatenate([p[k] for p in self.columns], axis=-1) for k in self.columns[0]}
         end, begin = c["end"], np.zeros(len(self.letters))
         for i, x in enumerate(self.letters):
+            # Before its first word an axis stands where that word will find it: nothing is known,
+            # and nothing moves.
             known = np.flatnonzero(~np.isnan(end[i]))
             begin[i] = end[i, known[0]] if len(known) else rest.get(x, 0.0)
             end[i] = hold_last_float(end[i], begin[i])

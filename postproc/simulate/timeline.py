@@ -88,11 +88,14 @@ class Timeline:
         sampled = piece is None
         own, way, speed, rate = self.plan.at(time)
         if piece is not None:
+            # At the very end of a rest the plan already tells of the next piece: a capture stands
+            # still at the end of its own.
             over = own != piece
             own = np.where(over, piece, own)
             way = np.where(over, self.path.length[piece], way)
             speed, rate = np.where(over, 0.0, speed), np.where(over, 0.0, rate)
         place, direction, bend = self.path.at(own, way)
+        # along the path as it speeds up, across it as it bends: curvature times speed squared
         velocity, acceleration = direction * speed, direction * rate + bend * speed**2
         turns, letters = self.turns, self.path.letters
         run = np.ones(len(time)) if run is None else run
@@ -119,6 +122,8 @@ class Timeline:
         if self.machine.chain.rotary:
             return {}
         at, length = _by_axis(rows, place), self.tool(piece)
+        # a longer tool takes the tip nearer to the carriages along its own direction
+        # (Machine.with_tool)
         return {x: self.machine.arm_at(x, at) - length for x in slides}
 
     def _channels(self, time, piece, run, slides) -> dict[str, np.ndarray]:
@@ -130,6 +135,7 @@ class Timeline:
         for x in slides:
             found[f"T_screw_{x}_C"] = warm.screw(x, time, piece)
             each = np.array(self.conditions.force.get(x, (0.0,)))
+            # one force for each run, and from the first again where there are more runs
             found[f"force_{x}_N"] = each[(run.astype(np.int64) - 1) % len(each)]
         found["spindle_rpm"] = self.steps.rpm[step]
         found["part"] = self.steps.part[step].astype(float)

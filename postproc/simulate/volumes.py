@@ -18,6 +18,8 @@ def diagonal(write: Writer, ask: Ask) -> Test:
     ends, size, along = _ends(write, ask, overrun)
     number, feed, dwell = ask.count("number", 17), ask.of("feed", 2000.0), ask.of("dwell", 3.0)
     share = np.linspace(0.0, 1.0, number)
+    # each but the ends moved by up to an eighth of a step: even ones could hide a period (ISO
+    # 230-2)
     share[1:-1] += 0.25 * ((np.arange(1, number - 1) * GOLDEN) % 1.0 - 0.5) / (number - 1)
 
     def place(t: float) -> dict[str, float]:
@@ -62,6 +64,7 @@ def steps(write: Writer, ask: Ask) -> Test:
     stair = [dict(here)]
     for k in range(1, number + 1):
         for x, (a, b) in ends.items():
+            # from the whole each time, so that no step inherits the rounding of those before
             here[x] = round(a + (b - a) * k / number, 3)
             stair.append(dict(here))
     title = f"step diagonal of {' '.join(ask.axes)}"

@@ -55,6 +55,7 @@ class Writer:
         # not, it always does.
         self.modes = [codes[number].word for number in (210, 900, 940) if number in codes]
         self.zero = machine.offsets.get("G54", {})
+        # decimals of a word: 0.001 mm has three
         self.places = {x: -round(math.log10(a.least_increment)) for x, a in machine.axes.items()}
         self.lines: list[str] = []
 
@@ -76,6 +77,7 @@ class Writer:
 
     def word(self, axis: str, place: float) -> str:
         """The axis' word for a slide position."""
+        # machine coordinates less the offset that the control adds; twice on a diameter axis
         value = (place - self.zero.get(axis, 0.0)) * (2.0 if axis in self.machine.diameter else 1.0)
         return f"{axis}{value:.{self.places[axis]}f}"
 
@@ -86,6 +88,7 @@ class Writer:
     def rest(self, place: Mapping[str, float], feed: float) -> None:
         """To where axes stay, each from below, so that it is known from which side they came."""
         if place:
+            # else the side of contact of a resting axis, and with it its reversal, would be unknown
             low = {x: max(v - OUTRUN, self.machine.axes[x].travel[0]) for x, v in place.items()}
             self.go(low, feed)
             self.go(place, feed)
@@ -114,6 +117,8 @@ class Writer:
                 self.round_refused, "a diagonal shows squareness at rest: --test diagonal:" + plane
             )
         _, centre, sign = PLANES[plane]
+        # G18 looks at the plane from +Y, where Z comes before X: from X to Z is clockwise there,
+        # hence the sign of XZ.
         code = "G3" if sense * sign > 0 else "G2"
         ends = " ".join(self.word(x, end[x]) for x in plane)
         arms = " ".join(

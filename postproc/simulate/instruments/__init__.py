@@ -60,6 +60,7 @@ class Noise:
         """(n,) values with the stated standard deviation."""
         if not self.tails:
             return self.size * rng.standard_normal(n)
+        # Student's t has the variance nu / (nu - 2): scaled to the stated standard deviation
         return self.size * rng.standard_t(self.tails, n) * np.sqrt((self.tails - 2.0) / self.tails)
 
 
@@ -138,6 +139,8 @@ def recorded(
     One seed gives one recording, whatever else is asked for: noise first, then the zero, then the
     sensors.
     """
+    # noise, zero, sensors, always in this order: a further setting may not change the numbers that
+    # are drawn before it
     rng = np.random.default_rng(noise.seed)
     n = len(next(iter(signal.columns.values()), np.zeros(0)))
     if not n:
@@ -190,6 +193,7 @@ def _stated(
         "seed": noise.seed,
     }
     if noise.size > 0:
+        # noise and what rounding to the resolution adds, step / sqrt(12)
         stated["u_um"] = float(np.hypot(noise.size, noise.resolution / np.sqrt(12.0)))
     if noise.tails:
         stated["noise_t_degrees"] = noise.tails
@@ -207,6 +211,7 @@ def _zeros(signal: Signal, noise: Noise, rng: np.random.Generator) -> dict[str, 
         if noise.zero == "first":
             zeros[name] = -float(signal.columns[name][0])
             if signal.kind == "trace":
+                # of a log the actual place begins on the commanded one, not on zero
                 zeros[name] += float(signal.columns[name.replace("_act_", "_cmd_")][0])
         elif noise.zero == "random":
             zeros[name] = noise.spread * rng.standard_normal() / unit

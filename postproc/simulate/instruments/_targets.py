@@ -62,6 +62,7 @@ def captures(reality: Reality, settings: Settings) -> Captures:
         piece = piece[(p >= p.min() + ignore) & (p <= p.max() - ignore)]
         if not len(piece):
             raise GcompError(f"nothing is left when {ignore:g} mm are ignored at either end")
+    # at the end of each rest, when all has settled
     time = plan.start[piece + 1]
     run: np.ndarray = np.ones(len(piece))
     if settings.text("runs"):
@@ -88,6 +89,9 @@ def _passages(place: np.ndarray, approach: np.ndarray) -> np.ndarray:
     first = known[0] if len(known) else 1.0
     run, result = 1, [1]
     for k in range(1, len(place)):
+        #    > > > >    The first way begins a run, the way back belongs to it, the first way again
+        #    < < < <    begins the next. Where readings never come back a jump against the first way
+        #    > > > >    begins one.
         begins = approach[k] == first and (
             approach[k - 1] == -first
             or (approach[k - 1] in (0.0, first) and (place[k] - place[k - 1]) * first < -STILL)
@@ -116,6 +120,7 @@ def direction(captures: Captures, settings: Settings) -> np.ndarray:
             [captures.state.position.get(x, np.zeros(len(captures.piece))) for x in XYZ]
         )
         away = place - place[:, :1]
+        # from the first target to the farthest: the diagonal, also of a stair's corners
         vector = away[:, int(np.argmax((away**2).sum(axis=0)))]
         if len(captures.moving) == 1:
             vector = np.array([1.0 if x == captures.moving[0] else 0.0 for x in XYZ])
@@ -131,6 +136,7 @@ def direction(captures: Captures, settings: Settings) -> np.ndarray:
 def along(captures: Captures, vector: np.ndarray) -> State:
     """The state with the length of a beam along the vector, from the nearest target on."""
     place = sum(vector[XYZ.index(x)] * p for x, p in captures.state.position.items() if x in XYZ)
+    # the laser's zero lies before the nearest target: the beam is never shorter than nothing
     return replace(captures.state, beam=np.asarray(place) - np.min(place))
 
 

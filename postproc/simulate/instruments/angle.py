@@ -35,6 +35,7 @@ def measure(reality: Reality, settings: Settings) -> Signal:
         raise UsageError("--set about names no direction", "--set about=Y")
     vector /= np.linalg.norm(vector)
     turned = found.state.angles.get(moving, np.zeros((3, len(found.piece))))
+    # effects give these rows rad instead of mm (State.turned)
     angular = replace(found.state, turned=np.ones(len(found.piece), bool))
     turned = turned + reality.error(angular, ("angle",), found.piece, tables=False)
     columns = found.columns()

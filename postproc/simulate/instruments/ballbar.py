@@ -82,6 +82,7 @@ def measure(reality: Reality, settings: Settings) -> Signal:
 def _samples(timeline, piece, sense, sweep, rate: float) -> list[np.ndarray]:
     """(N,) s, run and sense of the samples of every run: pieces one after the other in one
     sense."""
+    # arcs one behind the other in one sense are one run; a line or a turn round begins the next
     run = np.cumsum(np.concatenate([[0], (np.diff(piece) != 1) | (np.diff(sense) != 0)]))
     parts = []
     for k in range(int(run[-1]) + 1):
@@ -95,6 +96,7 @@ def _samples(timeline, piece, sense, sweep, rate: float) -> list[np.ndarray]:
 
 def _turned(c, at: np.ndarray, names: list) -> np.ndarray:
     """(n,) rad: how far the circle that each piece belongs to is gone round in all."""
+    # to 0.01 mm: the same circle, whatever the rounding of its words
     keys = [
         (n, *np.round(p, 2).tolist(), round(float(r), 2))
         for n, p, r in zip(names, at.T, c.r0, strict=True)
@@ -118,5 +120,6 @@ def _middle(timeline, piece: np.ndarray, sweep: np.ndarray) -> tuple[float, floa
     where, way = plan.at(grid)[:2]
     along = gone[np.clip(np.searchsorted(piece, where), 0, len(piece) - 1)] + way
     along[-1] = gone[-1]
+    # as much off either end: what is left is one turn, at full feed
     edge = (total - 2 * np.pi) / 2 / total * gone[-1]
     return float(np.interp(edge, along, grid)), float(np.interp(gone[-1] - edge, along, grid))

@@ -40,9 +40,11 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     line, space = reality.reading(state, ("laser",))
     place = np.array([state.position.get(x, np.zeros(len(found.piece))) for x in XYZ])
     way = place - place[:, :1]
+    # what the stair has moved beside the beam since the first target
     aside = way - vector[:, None] * (vector @ way)
     error = _where_the_beam_meets(reality, found, -aside) + space
     lean = np.array([settings.place("lean").get(x, 0.0) for x in XYZ]) * PPM
+    # only what lies across the beam turns a plane mirror out of it
     lean -= vector * (vector @ lean)
     columns = found.columns()
     columns["reading_um"] = (vector @ error + lean @ aside + line) * 1e3
@@ -62,6 +64,7 @@ def _where_the_beam_meets(
         return there.error(found.state, ("tool",), found.piece)
 
     at = of(np.zeros(3))
+    # a difference over the whole reach: over 1 mm it would be made of the last digits
     reach = float(np.abs(beside).max(initial=0.0)) or 1.0
     for i, unit in enumerate(np.eye(3)):
         at = at + (of(unit * reach) - of(np.zeros(3))) / reach * beside[i]

@@ -38,6 +38,7 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     part = timeline.steps.part[timeline.path.step]
     parts = np.unique(part)
     last = np.array([np.flatnonzero(part == p)[-1] for p in parts])
+    # each part as the machine was when it was finished
     time = timeline.plan.start[last + 1]
     base = timeline.state(time, last, parts.astype(float))
     rows: dict[str, list[np.ndarray]] = {}
@@ -47,6 +48,8 @@ def measure(reality: Reality, settings: Settings) -> Signal:
         for side in (0.5, -0.5):
             state = _at(base, reality, axis, side * nominal, MATERIAL[kind])
             ends.append((state, reality.error(state, ("part",), last)["XYZ".index(axis)]))
+        # what both ends are off by alike shifts a feature and leaves its size; material makes it
+        # wider or narrower
         size = ends[0][1] - ends[1][1] + _of_material(reality, ends[0][0], last, axis)
         n = len(parts)
         one = {

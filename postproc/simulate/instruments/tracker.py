@@ -49,6 +49,7 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     turn = np.array(
         [[np.cos(angle), np.sin(angle), 0.0], [-np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]]
     )
+    # a frame of its own, as a tracker has: turned and shifted, which whoever fits must find
     seen = turn @ (tip - np.array([[-900.0], [-700.0], [350.0]]))
     columns |= {f"m{x.lower()}_mm": seen[i] for i, x in enumerate(XYZ)}
     noisy = {f"m{x.lower()}_mm": 1e3 for x in XYZ}
