@@ -98,6 +98,8 @@ def _answered(argv: list[str] | None) -> int:
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115
     try:
+        # only the main thread may set a handler; where gcomp is called from another one, SIGTERM
+        # stays as it is
         with contextlib.suppress(ValueError, AttributeError):
             signal.signal(signal.SIGTERM, _interrupt)
         status = _run(argv)
@@ -130,6 +132,7 @@ def _of_surroundings(error: OSError) -> str:
             "\n    name a place that you may write to, with room on its disk"
         )
     what = f"{error.filename}: " if error.filename else ""
+    # the disk is full or fails: a spool that was begun is dropped, and the old file is untouched
     full = (
         "; the output is not complete, a file that stood there before still does"
         if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -156,6 +159,8 @@ def _forget_output() -> None:
 def _forget(stream: TextIO | None) -> None:
     with contextlib.suppress(OSError, ValueError):
         if stream is not None:
+            # the descriptor itself: the interpreter flushes at its end whatever sys.stdout is by
+            # then
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
@@ -182,6 +187,7 @@ def _run(argv: list[str]) -> int:
     parser = _parser(name, module, argv)
     handed_on: list[str] = []
     if hasattr(module, "HANDS_ON") and "--" in argv:  # what follows is for another command
+        # argparse would take "--" as the end of its own options and keep what follows
         at = argv.index("--")
         argv, handed_on = argv[:at], argv[at + 1 :]
     try:
@@ -208,6 +214,7 @@ def _parser(name: str, module: ModuleType, argv: list[str]) -> argparse.Argument
         prog="gcomp" if name == DEFAULT else f"gcomp {name}",
         description=module.HELP,
         epilog=f"example: {example}" if example else None,
+        # the help asks how wide the terminal is, which loads shutil: only where help is shown
         formatter_class=(
             colour.formatter(sys.stdout) if {"-h", "--help"} & set(argv) else colour.Unseen
         ),
@@ -234,6 +241,7 @@ def _no_slip(word: str) -> None:
     """Raises UsageError for a first word that is no file and almost a command, or like one."""
     if word.startswith("-") or os.path.exists(word):
         return
+    # a plain word that is no file is a command mistyped: a program is hardly ever called so
     near = alike(word, commands())
     if near or re.fullmatch("[a-z]+", word):
         raise UsageError(

@@ -23,6 +23,7 @@ def wanted(stream: TextIO | None) -> bool:
     """Whether a stream is a terminal that shows colours, and nobody asked for none."""
     if stream is None or os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb":
         return False
+    # a file, a pipe and a page of CI get the plain text, which other programs read
     return stream.isatty()
 
 
@@ -68,6 +69,7 @@ def formatter(stream: TextIO | None) -> type[argparse.HelpFormatter]:
     """What writes the help to a stream."""
     if not wanted(stream):
         return argparse.HelpFormatter
+    # for help in colour alone: it loads rich
     from rich_argparse import RichHelpFormatter
 
     return RichHelpFormatter

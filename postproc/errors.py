@@ -27,10 +27,12 @@ class Place:
         shown = "".join(
             c if c.isprintable() else " " if c == "\t" else "?" for c in self.text.rstrip("\r\n")
         )
+        # a line may have a million characters: 60 before the place, and 60 from it on, are shown
         lead = max(0, self.start - 60)
         shown = ("..." if lead else "") + shown[lead : lead + 120]
         if not self.stop:
             return f"\n    {shown}"
+        # columns count from 1; "..." has taken three places
         at = self.start - 1 - lead + (3 if lead else 0)
         return f"\n    {shown}\n    {' ' * at}{'^' * max(1, min(self.stop - self.start, 120))}"
 
@@ -116,6 +118,7 @@ class Notice:
         said = [
             part
             for part in self.message.split("; ")
+            # a part without sums is always said
             if not (held := {holder for holder in every if holder in part}) or held & some
         ]
         return "; ".join(said).format(*self.counts)

@@ -351,6 +351,8 @@ class Filter:
                 before = self._pass(
                     lex(words.text[:line_start], self.dialect.grammar, self.setup.block_delete)
                 )
+            # a block before it that the physics refuses, which the text did not show: that one is
+            # told
             except BlockFault as earlier:
                 return self._deliver(
                     lex(words.text[:line_start], self.dialect.grammar, self.setup.block_delete),

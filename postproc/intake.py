@@ -44,6 +44,7 @@ def whole(path: Path, most: int, error: type[GcompError] = UsageError) -> bytes:
     """All of a file. Raises `error` where it can not be read or has more than `most` bytes."""
     try:
         with open(path, "rb") as source:
+            # one byte more than allowed tells that it is too long, however long it is
             data = source.read(most + 1)
     except IsADirectoryError:
         raise error(f"{path} is a folder, not a file") from None
@@ -77,6 +78,7 @@ def inside(folder: Path, name: str) -> Path | None:
 def toml(text: str) -> dict[str, Any]:
     """A TOML document. Raises ValueError (tomllib.TOMLDecodeError is one), in words, with "line N"
     where that is known, for what is none, nests too deep, or holds an integer beyond 64 bits."""
+    # before the parser, whose time it is that grows
     if deep := DOTTED.search(text):
         line = text.count("\n", 0, deep.start()) + 1
         raise ValueError(f"a key of more than {PARTS} parts (at line {line})")

@@ -28,6 +28,8 @@ def library() -> ctypes.CDLL | None:
         return None
     try:
         found = ctypes.CDLL(BUILT)
+        # The digest of both sources is compiled in. A kernel of an older source would give other
+        # bits than numpy's, and nobody would see why.
         same = ctypes.c_char.in_dll(found, "source")
     except (OSError, ValueError):
         return None

@@ -65,6 +65,11 @@ def centre_by_radius(
     too short."""
     chord = end - start
     length = np.hypot(*chord)
+    #            +         R > 0 counter-clockwise, R < 0 clockwise
+    #            |         height**2 + (length / 2)**2 = R**2
+    #     start  o------> o end, the chord; `normal` is it turned by +90 degrees
+    #            |
+    #            +         R > 0 clockwise, R < 0 (more than half a turn) counter-clockwise
     height = np.sqrt(np.maximum(radius**2 - (length / 2) ** 2, 0.0))
     side = np.where(counter == (radius > 0), 1.0, -1.0)
     normal = np.stack([-chord[1], chord[0]]) / np.where(length > 0, length, 1.0)
@@ -258,6 +263,7 @@ class Motions:
         elif key in self.alike:
             thing.__dict__.update(self.alike[key])
         else:
+            # what it sets is told by what is there afterwards: `work_out` need not name it
             before = set(thing.__dict__)
             work_out()
             self.alike[key] = {x: v for x, v in thing.__dict__.items() if x not in before}
@@ -269,6 +275,7 @@ class Motions:
         tables = {}
         for name in ("arcs", "holes"):
             table = getattr(self, name)
+            # both tables are in the order of motions: their rows of a part stand together
             low, high = (int(np.searchsorted(table.motion, k)) for k in (first, stop))
             rows = {f: getattr(table, f)[..., low:high] for f in names(type(table))}
             tables[name] = type(table)(**{**rows, "motion": rows["motion"] - first})
@@ -308,6 +315,9 @@ def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
     columns: dict[tuple[type, str], list[np.ndarray]] = {}
     for part, block, word in zip(parts, blocks, words, strict=True):
         # what counts something, from which number on it does, and what came before this part
+        # Columns that number something go on where the part before ended; -1 ("not written") and 0
+        # ("no reason", "slide positions") mean nothing and stay, hence the least value from which
+        # each counts.
         counts = {"block": (NEVER, block), "motion": (NEVER, begin)}
         counts |= {"reason": (1, len(reasons) - 1), "space": (1, len(spaces) - 1)}
         counts |= dict.fromkeys(

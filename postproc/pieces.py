@@ -56,6 +56,8 @@ def without_rests(pieces: Pieces) -> Pieces:
     first = np.concatenate([[True], pieces.motion[1:] != pieces.motion[:-1]])
     group = np.cumsum(first) - 1
     moves = np.bincount(group, weights=~rest) > 0
+    # a motion that rests as a whole keeps its first piece: its block stands in the program, and has
+    # its words
     keep = (~rest | (first & ~moves[group])).nonzero()[0]
     fields = names(Pieces)
     return Pieces(**{f: getattr(pieces, f).take(keep, axis=-1) for f in fields})

@@ -26,6 +26,8 @@ def chunks(source: BinaryIO | Kept, live: bool) -> Iterator[bytes]:
         data = (
             os.read(source.fileno(), CHUNK)
             if live and not isinstance(source, Kept)
+            # read() would wait for a whole chunk; a wire and a person at a terminal give what they
+            # have
             else source.read(CHUNK)
         )
         if not data:
@@ -77,6 +79,7 @@ class Kept:
             self.at += len(data)
             return data
         data = self.source.read(size)
+        # too long to be kept: `again` will say no, and reading goes on without a copy
         if self.size + len(data) > self.most:
             self.beside.close()
             self.beside = None
@@ -116,6 +119,9 @@ class Copy:
                         f"{path} can not be copied for the job: {error.strerror}",
                         f"make room in {tempfile.gettempdir()}, or name another folder in TMPDIR",
                     ) from None
+            # Another program may write while we read: then the copy is of no state of the file. The
+            # stamp before and behind tell it, and once more by name, since the file may have been
+            # replaced.
             written = self._stamp != _stamp(os.fstat(source.fileno()))
         if written or self.changed():
             raise UsageError(
@@ -173,6 +179,7 @@ class Spool:
 
     def write(self, data: bytes) -> int:
         held = self._file
+        # a program of a few megabytes never touches the disk; a longer one costs no memory
         if isinstance(held, io.BytesIO) and held.tell() + len(data) > IN_MEMORY:
             import tempfile
 
@@ -248,6 +255,7 @@ def replace_file(path: Path, source: BinaryIO, backup: bool) -> Path | None:
     The new file is whole and on the disk before the old name points to it; mode and links are kept.
     """
     path = place_of(path)
+    # /dev/stdout, a named pipe: replacing it would put a plain file in its place
     if path.exists() and not path.is_file():
         with open(path, "wb") as special:  # a device or a pipe has no successor
             copy_out(source, special.write)
@@ -255,15 +263,20 @@ def replace_file(path: Path, source: BinaryIO, backup: bool) -> Path | None:
     import shutil
     import tempfile
 
+    # beside the target, since a rename is one step within a file system only
     handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as new:
             copy_out(source, new.write)
             new.flush()
+            # On the disk before it has the name: after a failure of power there stands the old file
+            # or the new one, never an empty one of the new name.
             os.fsync(new.fileno())
         if path.exists():
             shutil.copymode(path, temporary)
         else:
+            # the only way to ask for it is to set it: a new file gets the rights that open() would
+            # give
             mask = os.umask(0)
             os.umask(mask)
             os.chmod(temporary, 0o666 & ~mask)
@@ -283,6 +296,7 @@ def _backup(path: Path) -> Path:
     for n in range(1, 1000):
         name = path.with_name(f"{path.name}.bak{n if n > 1 else ''}")
         try:
+            # x: of two processes one gets the name, the other goes on to the next
             copy = open(name, "xb")  # noqa: SIM115
         except FileExistsError:
             continue
@@ -334,6 +348,7 @@ def copy_folder(
         toml = copy / "machine.toml"
         toml.write_bytes(change(toml.read_bytes().decode("utf-8")).encode("utf-8"))
         if target.exists():
+            # the old folder stays under another name: a machine is what somebody measured
             os.rename(target, beside(target))
         os.replace(copy, target)
 

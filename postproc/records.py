@@ -37,6 +37,8 @@ def mutable(cls: Class) -> Class:
 
 
 def _with(cls: Class, more: dict[str, Any]) -> Class:
+    # of the parent class first, as dataclasses orders fields; a dict, since its keys compare as a
+    # set
     names = dict.fromkeys((*getattr(cls, "_names", ()), *cls.__annotations__)).keys()
     said = {x: getattr(cls, x, MISSING) for x in cls.__annotations__}
     own = {x: value for x, value in said.items() if isinstance(value, Field)}
@@ -80,17 +82,20 @@ class _Fields:
     def __get__(self, instance: object, cls: type) -> dict[str, Field[Any]]:
         # Without a text dataclasses makes one of the signature: 2 ms where it is the first.
         self._cls.__doc__ = self._cls.__doc__ or self._cls.__name__
+        # sets __dataclass_fields__ of the class, in place of this object: it is asked once
         dataclass(init=False, repr=False, eq=False)(self._cls)
         return cast("dict[str, Field[Any]]", self._cls.__dict__["__dataclass_fields__"])
 
 
 def _init(self: Any, *values: Any, **named: Any) -> None:
     if not values and tuple(named) == self._order:  # as most come
+        # the keyword dictionary becomes the record's own: no copy, no assignment field by field
         SET(self, "__dict__", named)
         return
     given = len(values) + len(named)
     if values:
         named.update(zip(self._names, values, strict=False))
+    # a field given by its place and by its name: update() has overwritten one, so there are fewer
     repeated = len(named) < given
     if len(named) < len(self._names):
         for name, value in self._defaults.items():

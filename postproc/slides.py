@@ -58,6 +58,7 @@ class Led:
 
     def leg(self, motion: np.ndarray, t: np.ndarray) -> np.ndarray:
         """(K,) the leg that t of a motion lies in; an end belongs to the leg that it ends."""
+        # motion + t is one ascending number; 1e-9, or t = 0 would be the end of the motion before
         leg = np.searchsorted(self.legs.motion + self.legs.until, motion + np.maximum(t, 1e-9))
         return np.minimum(leg, len(self.legs.motion) - 1)
 
@@ -89,6 +90,7 @@ class Led:
         side, share = np.zeros(command.shape), np.zeros(command.shape)
         for k, row in enumerate(self.slides.rows):
             before, off = self.side[row, leg], command[row] - self.far[row, leg]
+            # behind the farthest place of its side by more than the hysteresis: it has turned
             turned = np.abs(off) > self.slides.band[row]
             turned &= (off * before < 0) | (before == 0)
             below_hysteresis = 2 * half[k] <= self.slides.hysteresis
@@ -97,6 +99,7 @@ class Led:
             side[row] = np.where(beyond[k], way[row], side[row])
             low, high = command[row] - half[k], command[row] + half[k]
             slide = np.minimum(np.maximum(self.slide[row, leg], low), high)
+            # +1: the nut bears forward, the slide lags by half the play behind c
             part = (command[row] - slide) / np.maximum(half[k], LEAST)
             share[row] = np.where((half[k] > LEAST) & np.isfinite(slide), part, side[row])
             if self.slides.more[k]:  # it is not there at the turn, nor taken up there
@@ -131,6 +134,7 @@ class Slides:
 
     def half(self, position: np.ndarray) -> np.ndarray:
         """(R, N) mm: half the play of the two-way axes, and of the way over which it builds up."""
+        # below zero the control takes up more than there is: no play, see `beyond`
         play = np.maximum(self.machine.lost_motion(np.nan_to_num(position), self.rows), 0.0)
         return (play + np.array(self.more)[:, None]) / 2
 
@@ -182,9 +186,15 @@ class _Slide:
             return 0.0, end, end, 0.0
         if anew or self.place != self.place:
             self.place, self.far, self.side, self.last = begin, begin, 0.0, 0.0
+        # before the leg: `at` works out what happens within it from here
         before = self.side, self.far, self.place, self.last
         if begin != end:
             self.last = 1.0 if end > begin else -1.0
+        #            end - half                end + half
+        #     ---------[===========c============]----------      the play operator: inside a place
+        #                  o->                                  stays, outside it is taken along
+        # Within a leg the command goes one way, so its end alone decides, with the play that is
+        # there.
         self.place = min(max(self.place, end - half), end + half)
         ahead = (end - self.far) * self.side
         if ahead < -self.band or (self.side == 0.0 and abs(end - self.far) > self.band):
@@ -228,6 +238,7 @@ def _legs(m: Motions) -> Legs:
         stops.append(points(arcs, begins, ends, arc, t))
     holes = m.holes
     if len(holes):
+        # t of a hole: a third each for the way to R, down, and back up
         for share, place in ((1 / 3, holes.level), (2 / 3, holes.bottom)):
             motions.append(holes.motion)
             untils.append(np.full(len(holes), share))
@@ -239,6 +250,7 @@ def _legs(m: Motions) -> Legs:
     motion, until, ends = motion[order], until[order], np.concatenate(stops, axis=1)[:, order]
     begin = np.concatenate([np.full((len(ends), 1), np.nan), ends[:, :-1]], axis=1)
     first = np.concatenate([[True], motion[1:] != motion[:-1]])
+    # a leg begins where the one before ended, the first of a motion where that begins
     begin[:, first] = start[:, motion[first]]
     curved = np.isin(motion, arcs.motion)
     return Legs(motion, until, begin, ends, m.sent[:, motion] & first, curved)

@@ -47,6 +47,8 @@ class Space:
 
     def of(self, inner: Space) -> Space:
         """The frame of places of `inner` that are told in this one."""
+        # u of the inner frame: turn_i u + origin_i is a place of this one, turned and shifted once
+        # more
         turn = self.matrix @ inner.matrix
         origin = self.matrix @ np.array(inner.origin) + np.array(self.origin)
         return Space(

@@ -45,6 +45,7 @@ def _once(asked: argparse.Namespace) -> None:
         name = getattr(asked, option, None)
         if not isinstance(name, str) or not name or (name == "-" and option in PLACES):
             continue
+        # two names of one file, by a link, are one place
         place = name if name == "-" else os.path.realpath(name)
         if place in seen and option not in PLACES:
             raise UsageError(f"two things are to be written to {name}", "name two files")
@@ -104,6 +105,7 @@ def _made(path: Path, mark: re.Pattern[bytes], within: int) -> bool:
             while data := file.read(min(CHUNK, within - seen) if within else CHUNK):
                 if mark.search(rest + data):
                     return True
+                # a mark may lie across two chunks: the end of one is looked at again with the next
                 seen, rest = seen + len(data), data[-marks.LONGEST :]
     except OSError:
         return False

@@ -20,6 +20,7 @@ def key(name: str) -> str:
 
 
 def text(value: Any) -> str:
+    # before int: True is one in Python
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int):
@@ -37,6 +38,7 @@ def text(value: Any) -> str:
 def _string(value: str) -> str:
     """A TOML basic string: quotes, backslashes and what can not be printed escaped."""
     escaped = _encodable(value).replace("\\", "\\\\").replace('"', '\\"')
+    # by code point, \U and eight digits: TOML takes no raw control character in a basic string
     return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08X}" for c in escaped) + '"'
 
 

@@ -67,6 +67,7 @@ class Places:
             for name in Places.__dataclass_fields__
         }
         whole = Places(**columns)
+        # order: number of the motion, and its t; of two at one place the nearer one first
         return whole.pick(np.lexsort((whole.distance, whole.order[1], whole.order[0])))
 
     @staticmethod
@@ -92,6 +93,9 @@ class Series:
     def chosen(self, order: np.ndarray, size: np.ndarray) -> np.ndarray:
         """Which of new places stay: indices in the order of the path, and the size (K,) of all."""
         step = 1
+        #    all          a b c d e f g h      of two neighbours the one that is farther off stays.
+        #    step 2       b   c   f   h        A batch that comes late is thinned as often as what
+        #    step 4       b       f            is there: one density from beginning to end.
         while step < self.step or len(order) > 2 * self.most:
             order, step = order[larger_of_two(size[order])], step * 2
         while self.step < step:
@@ -172,6 +176,7 @@ class Trace:
         rows = [k for k, x in enumerate(self.machine.letters) if x not in self.machine.chain.rotary]
         known = (motions.start_known & motions.target_known)[rows]
         length = np.sqrt((np.where(known, way[rows], 0.0) ** 2).sum(axis=0))
+        # the way round, not the chord; what a helix rises is left out
         length[motions.arcs.motion] = np.abs(motions.arcs.sweep * motions.arcs.radius)
         begin = self.length + np.cumsum(length) - length
         self._batch = _Batch(
@@ -211,11 +216,14 @@ class Trace:
     ) -> None:
         """All places: how much path there is of each size, and the largest of each line."""
         each = np.bincount(motion[feed], minlength=len(batch.length))
+        # each place stands for as much of its motion's length as its neighbours: mm of path, not
+        # counts
         share = batch.length / np.maximum(each, 1)
         sizes = np.searchsorted(CLASSES, distance[feed])
         self.histogram[name] += np.bincount(sizes, share[motion[feed]], len(CLASSES) + 1)
         order = np.argsort(batch.line[motion], kind="stable")
         lines, first = np.unique(batch.line[motion][order], return_index=True)
+        # lines as sorted: each begins at `first`, and reduceat takes the largest up to the next
         largest = np.maximum.reduceat(distance[order], first) if len(first) else distance[:0]
         into = batch.before if name == "before" else batch.after
         for line, size in zip(lines.tolist(), largest, strict=True):
@@ -231,6 +239,7 @@ class Trace:
         self.cuts += len(pieces) - len(batch.line) - int(pieces.take_up.sum())
         done = np.cumsum(pieces.share) - pieces.share  # of the motion, before each piece
         first = np.flatnonzero(np.diff(pieces.motion, prepend=-1))
+        # shares count from the motion's own first piece
         done -= np.repeat(done[first], np.diff(first, append=len(pieces)))
         for k in np.flatnonzero(pieces.take_up).tolist():
             if self._turned % self._every == 0:
@@ -239,6 +248,7 @@ class Trace:
                 self.turns.append((place, int(batch.line[motion])))
             self._turned += 1
         while len(self.turns) > TURNS:
+            # as the places: every second, and from now on every second of those that come
             self.turns, self._every = self.turns[::2], self._every * 2
         plain = dict(zip(batch.line.tolist(), batch.plain.tolist(), strict=True))
         for line, after in batch.after.items():

@@ -27,4 +27,5 @@ def in_mm(ticks: np.ndarray) -> np.ndarray:
 
 def in_ticks(place: np.ndarray) -> np.ndarray:
     """int64 ticks of mm, of any shape: rounded once, half to even."""
+    # 2**53 ticks are 900 m: a place up to there is exact to the tick
     return np.rint(place * _PER_MM).astype(np.int64)
