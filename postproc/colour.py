@@ -37,6 +37,7 @@ class Painted:
         return getattr(self._stream, name)
 
     def write(self, text: str) -> int:
+        """The text, line by line; how many characters of it."""
         self._stream.write("".join(_line(line) for line in text.splitlines(keepends=True)))
         return len(text)
 

@@ -178,6 +178,7 @@ class Spool:
         self._file: BinaryIO = io.BytesIO()
 
     def write(self, data: bytes) -> int:
+        """Data behind what is held, on disk from IN_MEMORY bytes on."""
         held = self._file
         # a program of a few megabytes never touches the disk; a longer one costs no memory
         if isinstance(held, io.BytesIO) and held.tell() + len(data) > IN_MEMORY:

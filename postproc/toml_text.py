@@ -16,11 +16,13 @@ def entry(name: str, value: Any, remark: str = "") -> str:
 
 
 def key(name: str) -> str:
+    """A key as TOML writes it: bare where it may be."""
     return name if BARE.fullmatch(name) else _string(name)
 
 
 def text(value: Any) -> str:
     # before int: True is one in Python
+    """A value as TOML writes it, on one line; what is none of its kinds as a string."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int):

@@ -95,6 +95,7 @@ def text(outcomes: Sequence[Outcome], machine: str) -> str:
 
 
 def unit_of(one: Outcome) -> float:
+    """mm or rad of one unit of what is shown."""
     return URAD if one.unit == "urad" else UM
 
 

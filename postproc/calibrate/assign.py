@@ -52,6 +52,7 @@ class Series:
 
     @property
     def angle(self) -> bool:
+        """Whether it is in rad."""
         return self.component[:2] in COMPONENTS[3:]
 
     @property
@@ -82,10 +83,12 @@ class Diagonal:
 
     @property
     def axes(self) -> list[str]:
+        """Those that move, in the order X Y Z."""
         return [x for x in XYZ if x in self.path]
 
     @property
     def name(self) -> str:
+        """Like +X-Z: the way of each axis along the reading."""
         return "".join(f"{'+' if c > 0 else '-'}{x}" for x, c in self.direction.items())
 
 

@@ -64,6 +64,7 @@ class Component:
 
     @property
     def rest(self) -> dict[str, float]:
+        """Axis to mm where the others stood, in the first file."""
         return self.series[0].rest
 
     @property
@@ -91,6 +92,7 @@ class Component:
 
     @cached_property
     def largest_u(self) -> float:
+        """mm or rad, NaN where none is known."""
         return float(np.nanmax(self.u)) if np.isfinite(self.u).any() else np.nan
 
     @property

@@ -53,6 +53,7 @@ class Cells:
 
     @cached_property
     def scatter(self) -> Scatter:
+        """Of one reading, by cell."""
         return _scatter(self.s, self.n)
 
 
@@ -67,6 +68,7 @@ class Scatter:
 
     @property
     def known(self) -> bool:
+        """Whether any cell had two runs."""
         return bool(np.isfinite(self.s).any())
 
 

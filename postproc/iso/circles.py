@@ -52,10 +52,12 @@ class Trace:
 
     @cached_property
     def least_squares(self) -> Circle:
+        """mm: about the centre with the smallest sum of squares; of a full circle."""
         return least_squares(self.points, self.nominal)
 
     @cached_property
     def minimum_zone(self) -> Circle:
+        """mm: the narrowest zone, in whose middle the radius lies; of a full circle."""
         return minimum_zone(self.points, self.nominal)
 
     @property
@@ -125,12 +127,14 @@ class Pair:
 
     @cached_property
     def least_squares(self) -> Circle:
+        """mm: of both senses about one centre, whose zone is G(b)."""
         return least_squares(
             np.concatenate([self.forth.points, self.back.points]), self.forth.nominal
         )
 
     @cached_property
     def minimum_zone(self) -> Circle:
+        """mm: the narrowest zone that holds both senses."""
         return minimum_zone(
             np.concatenate([self.forth.points, self.back.points]), self.forth.nominal
         )

@@ -26,6 +26,7 @@ class Line:
     slope: float
 
     def value(self, x: np.ndarray) -> np.ndarray:
+        """(K,) mm: height of the line at x (K,) mm."""
         return self.offset + self.slope * (x - self.origin)
 
 

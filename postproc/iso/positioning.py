@@ -50,6 +50,7 @@ class Positioning:
 
     @cached_property
     def two_way(self) -> bool:
+        """Whether both directions were approached, at any targets."""
         return bool(np.isfinite(self.mean).any(axis=1).all())
 
     @cached_property
@@ -122,6 +123,7 @@ class Positioning:
 
     @property
     def length(self) -> float:
+        """mm or degrees from the first target to the last."""
         return float(self.target[-1] - self.target[0])
 
 

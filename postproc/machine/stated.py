@@ -119,6 +119,7 @@ class Stated:
 
     @cached_property
     def tables(self) -> dict[str, AxisTable]:
+        """Axis to its measured table, of those that have one; effects' are in `added`."""
         return {x: axis.table for x, axis in self.axes.items() if axis.table is not None}
 
     @cached_property
@@ -138,6 +139,7 @@ class Stated:
 
     @cached_property
     def grids(self) -> tuple[GridTable, ...]:
+        """What depends on a second axis too: measured, then of effects."""
         own = tuple(grid for axis in self.axes.values() for grid in axis.grids)
         return own + tuple(grid for term in self.effects for grid in term.grids)
 
@@ -187,6 +189,7 @@ class Stated:
 
     @cached_property
     def expansions(self) -> dict[str, Expansion]:
+        """Axis to its growth, of those that grow at the stated temperatures."""
         return {
             x: a.expansion
             for x, a in self.axes.items()
@@ -288,6 +291,8 @@ class Stated:
 
     @cached_property
     def leaning(self) -> dict[str, list[tuple[int, np.ndarray]]]:
+        """Axis to direction (0 to 2) and rad, mm it drifts there per mm of its own way
+        (chain.leans)."""
         return {x: leans(x, lean) for x, lean in self.square.items()}
 
     @cached_property

@@ -59,6 +59,7 @@ class BothWays:
 
     @cached_property
     def is_zero(self) -> bool:
+        """Whether every component is zero at every node."""
         return not self.rows
 
     @cached_property

@@ -96,6 +96,7 @@ class Section:
         return self.data[key]
 
     def get(self, key: str, default: Any = None) -> Any:
+        """The value of a key, or `default` where it is missing; of any kind."""
         return self.data.get(key, default)
 
     def fault(self, key: str, message: str, advice: str = "") -> MachineError:
@@ -104,6 +105,7 @@ class Section:
         return MachineError(message, advice, Place(str(self.toml.path), line))
 
     def check_keys(self, known: Collection[str]) -> None:
+        """Raises MachineError, with its line, for a key that is not among the known ones."""
         for key in self.data:
             if key not in known:
                 raise self.fault(
@@ -126,6 +128,7 @@ class Section:
         return float(value)
 
     def string(self, key: str, default: str | None = None) -> str:
+        """A text. Raises MachineError where it is missing and has no default, or is none."""
         value = self.data.get(key, default)
         if not isinstance(value, str):
             message = f"{key} = {value!r} is not a text" if key in self else f"{key} is missing"

@@ -40,6 +40,7 @@ class VolumetricMap:
 
     @property
     def two_way(self) -> bool:
+        """Whether any component depends on the direction of approach."""
         return any(t.two_way for t in self.axes.values()) or any(g.two_way for g in self.grids)
 
     def one_way(self) -> VolumetricMap:

@@ -31,6 +31,7 @@ class Term:
 
     @property
     def name(self) -> str:
+        """The effect's, as in the library."""
         return self.module.__name__.rsplit(".", 1)[1]
 
     @property
@@ -55,6 +56,7 @@ class Reality:
 
     @property
     def machine(self) -> Machine:
+        """That of the timeline, with its errors."""
         return self.timeline.machine
 
     def error(

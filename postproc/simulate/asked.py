@@ -33,6 +33,7 @@ class Ask:
     given: Mapping[str, float]
 
     def of(self, key: str, default: float) -> float:
+        """A setting, mm, s or mm/min. Raises UsageError for one that must be above zero."""
         value = self.given.get(key, default)
         if (
             key
@@ -54,6 +55,7 @@ class Ask:
         return value
 
     def count(self, key: str, default: int) -> int:
+        """A whole number of 1 to 10,000. Raises UsageError for another."""
         value = self.given.get(key, default)
         if value != int(value) or not 1 <= value <= 10_000:
             raise UsageError(f"{key} = {value:g} is no number of 1 to 10000")

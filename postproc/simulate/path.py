@@ -36,6 +36,7 @@ class Curves:
     r1: np.ndarray
 
     def pick(self, which: np.ndarray) -> Curves:
+        """These of them: (K,) rows, or (n,) bool."""
         return Curves(
             **{name: getattr(self, name)[..., which] for name in Curves.__dataclass_fields__}
         )

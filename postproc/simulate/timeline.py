@@ -73,10 +73,12 @@ class Timeline:
 
     @cached_property
     def turns(self) -> history.Turns:
+        """Sides, and ways and times since each axis turned."""
         return history.turns(self.path, self.plan, self.conditions.play)
 
     @cached_property
     def warmth(self) -> history.Warmth:
+        """Temperatures over time."""
         return history.warmth(self.path, self.plan, self.conditions.heat)
 
     def state(

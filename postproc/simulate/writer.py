@@ -60,6 +60,7 @@ class Writer:
         self.lines: list[str] = []
 
     def begin(self, title: str) -> None:
+        """What a program of this control begins with, and a rapid to the middle of all travels."""
         name = title.upper().replace("(", "").replace(")", "")
         offset = self.dialect.by_number.get(540)
         framed = "G54" in self.machine.offsets and offset is not None and not offset.refuses
@@ -82,6 +83,7 @@ class Writer:
         return f"{axis}{value:.{self.places[axis]}f}"
 
     def go(self, place: Mapping[str, float], feed: float) -> None:
+        """A feed to slide positions, mm, at mm/min."""
         words = " ".join(self.word(x, place[x]) for x in sorted(place))
         self.lines.append(f"G1 {words} F{feed:g}")
 
@@ -99,6 +101,7 @@ class Writer:
         self.wait(seconds)
 
     def wait(self, seconds: float) -> None:
+        """A dwell, s."""
         text = DWELL[self.kind].format(seconds, seconds * 1e3, math.ceil(seconds))
         self.lines.append(text)
 

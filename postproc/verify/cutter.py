@@ -42,6 +42,7 @@ class Contour:
     ways: list[Way] = field(default_factory=list)
 
     def take(self) -> None:
+        """The ways that are final, from the follower."""
         self.ways += self.shifted.done
         self.shifted.done = []
 

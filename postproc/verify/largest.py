@@ -23,6 +23,8 @@ class Largest:
     lean_line: int = 0
 
     def take(self, deviation: float, line: int, slides: bool = False, aside: float = 0.0) -> None:
+        """A deviation, mm, of a line; slides: with lost motion as such; aside: mm of it that no
+        take-up can bring about."""
         if slides and deviation > self.slide:
             self.slide, self.slide_line = deviation, line
         if not slides and deviation > self.deviation:

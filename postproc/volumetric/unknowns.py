@@ -41,6 +41,7 @@ class Group:
 
     @property
     def size(self) -> int:
+        """How many free numbers it has."""
         return self.basis.shape[1]
 
 
@@ -115,6 +116,7 @@ class Unknowns:
 
     @property
     def number(self) -> int:
+        """P: of all groups together."""
         return sum(g.size for g in self.groups)
 
     @cached_property

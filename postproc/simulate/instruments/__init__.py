@@ -80,6 +80,7 @@ class Settings:
         )
 
     def text(self, name: str, default: str = "") -> str:
+        """As it was given, or `default`."""
         return self.given.get(name, default)
 
     def number(self, name: str, default: float) -> float:
@@ -95,6 +96,7 @@ class Settings:
         return value
 
     def above_zero(self, name: str, default: float) -> float:
+        """A number. Raises UsageError where it is not above zero."""
         value = self.number(name, default)
         if value <= 0:
             raise self._fault(name, "above zero")

@@ -141,6 +141,7 @@ def along(captures: Captures, vector: np.ndarray) -> State:
 
 
 def head(captures: Captures, vector: np.ndarray, quantity: str, instrument: str) -> dict:
+    """What a recording's head says of the reading; sensitive: cosines of vector (3,)."""
     letters = [x for x in captures.state.position if x in XYZ]
     return {
         "instrument": instrument, "quantity": quantity,

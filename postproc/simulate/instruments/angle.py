@@ -23,6 +23,7 @@ SETTINGS = {
 
 
 def measure(reality: Reality, settings: Settings) -> Signal:
+    """urad at every rest. Raises GcompError where no axis travels, UsageError for no direction."""
     found = targets.captures(reality, settings)
     if not found.moving:
         raise GcompError(

@@ -26,6 +26,8 @@ SAME = 2e-3
 
 
 def measure(reality: Reality, settings: Settings) -> Signal:
+    """um from the nominal radius along the longest circles. Raises GcompError without arcs,
+    UsageError for too many samples."""
     timeline = reality.timeline
     path, plan, curves = timeline.path, timeline.plan, timeline.path.curves
     letters = path.letters

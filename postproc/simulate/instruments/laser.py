@@ -14,6 +14,7 @@ SETTINGS = {**targets.SETTINGS, "along": "Z or X1,Z3: direction of the beam (alo
 
 
 def measure(reality: Reality, settings: Settings) -> Signal:
+    """um along the beam at every rest."""
     found = targets.captures(reality, settings)
     vector = targets.direction(found, settings)
     state = targets.along(found, vector)

@@ -21,6 +21,8 @@ SETTINGS = {
 
 
 def measure(reality: Reality, settings: Settings) -> Signal:
+    """mm commanded and actual, evenly in time. Raises UsageError for a span without samples, or too
+    many."""
     timeline = reality.timeline
     sees = settings.text("sees", "scale")
     if sees not in ("scale", "tool"):

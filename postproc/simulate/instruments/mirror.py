@@ -29,6 +29,7 @@ PPM = 1e-6
 
 
 def measure(reality: Reality, settings: Settings) -> Signal:
+    """um along the beam at every rest. Raises GcompError for a beam along one axis."""
     found = targets.captures(reality, settings)
     vector = targets.direction(found, settings)
     if (np.abs(vector) > 1e-9).sum() < 2:

@@ -32,6 +32,7 @@ MATERIAL = {
 
 
 def measure(reality: Reality, settings: Settings) -> Signal:
+    """mm of every feature of every part. Raises UsageError for one that does not fit."""
     timeline = reality.timeline
     features = _features(reality, settings.text("features"))
     readings = int(settings.above_zero("readings", 3.0))

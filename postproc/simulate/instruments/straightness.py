@@ -17,6 +17,7 @@ SETTINGS = {
 
 
 def measure(reality: Reality, settings: Settings) -> Signal:
+    """um along `across` at every rest. Raises UsageError where no axis rests."""
     found = targets.captures(reality, settings)
     given = settings.place("across")
     if not given:

@@ -28,6 +28,7 @@ XYZ = "XYZ"
 
 
 def measure(reality: Reality, settings: Settings) -> Signal:
+    """mm in the tracker's frame at every rest, or mm from a station."""
     found = targets.captures(reality, settings)
     state = found.state
     beside = settings.place("tool")
