@@ -31,6 +31,7 @@ HELPERS = (
 ALIKE = 0.75  # of difflib's ratio: two letters changed places, or one is missing
 # what a new file or folder is called until it is whole
 HIDDEN = r"\.(.+)\.[a-z0-9_]{8}(?:\.part)?"
+# 130 and 141 are what a shell tells of SIGINT and SIGPIPE: 128 and the signal's number
 REFUSED, FAILED, INTERRUPTED, CLOSED_PIPE = 2, 1, 130, 141
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from postproc.records import columns, names, replace
 from postproc.spaces import Space
 
+# 0 to 3 are G0 to G3, whatever the language calls them
 RAPID, FEED, CLOCKWISE, COUNTER, HOLE, THREAD, SPLINE, FOREIGN = 0, 1, 2, 3, 4, 5, 6, 9
 LINES = (RAPID, FEED)
 # (10,) bool: whether a code is that of a feed along a line or an arc

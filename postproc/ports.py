@@ -17,6 +17,7 @@ from postproc.errors import UsageError
 
 CHUNK = 3 << 17  # bytes worked on at once: the columns of more leave the processor's cache
 IN_MEMORY = 1 << 22
+# looked at to tell whose program it is, before any of it is read
 HEAD = 1 << 16
 
 

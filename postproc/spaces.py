@@ -15,6 +15,7 @@ import numpy as np
 
 from postproc.records import record
 
+# a turn by nothing: the unit matrix, row by row
 LEVEL = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 

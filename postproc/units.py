@@ -7,6 +7,7 @@ drift. The range is +-900 km.
 
 import numpy as np
 
+# words of ten decimals of a mm, and of nine of an inch (254 ticks each), are whole ticks
 TICKS_PER_MM = 10_000_000_000
 # Without axes: an operator with a number takes twice as long where a batch is one block, and one
 # that must convert whole numbers first four times as long.

@@ -68,6 +68,7 @@ def pairs(
 
 def _partner(motion: Motion, new: list[Motion]) -> Motion:
     """The one of `new` that is the same motion."""
+    # by what was measured, not by the files' order: a person may name them as they come
     same = [m for m in new if _key(m) == _key(motion)]
     if len(same) != 1:
         files = ", ".join(m.recording.file for m in same)
@@ -160,6 +161,8 @@ def _nearest(
 ) -> tuple[Recording, np.ndarray] | None:
     """The recording along the same direction whose targets lie nearest, and (R, A) mm its target
     next to each of `own`."""
+    # the nearest of several diagonals or lines with the same axes: by direction first, then by
+    # targets
     found = []
     for other, points in before:
         if _alike(recording, other):
@@ -180,6 +183,7 @@ def _shifted(
         along = sum(
             recording.sensitive.get(x, 0.0) * shift[:, i] for i, x in enumerate(recording.axes)
         )
+        # a linear reading gets the shift's share along it; an angle does not change with the target
         columns["reading_um"] = columns["reading_um"] + along / recording.unit
     columns |= {
         f"{x}_{'mm' if x in 'XYZ' else 'deg'}": targets[:, i] for i, x in enumerate(recording.axes)

@@ -29,6 +29,8 @@ def verdict(outcomes: Sequence[Outcome], machine: str) -> list[str]:
     lines = list(chain.from_iterable(map(_faults, outcomes)))
     judged = [(one, r) for one in outcomes for r in one.ratios]
     good = sum(r.verdict == "good" for _, r in judged)
+    # "verified" may only be said where nothing was left open: one direction that could not be told
+    # may be turned
     small = _too_small(judged)
     if not lines and good:
         lines.append(f"all signs that can be told are right ({good} of {len(judged)})")

@@ -34,6 +34,7 @@ def folder(
     # always "unverified": a first map may have every sign turned, and nothing here could tell
     data["signs"] = calibration.machine.signs
     comments["signs"] = "until gcomp accept has seen a measurement after compensation"
+    # the chain's order, then axes beside it: of a spindle's C or an indexer nothing was measured
     data["axes"] = {}
     for letter in [*chain.axes, *(x for x in axes if x not in chain.axes)]:
         section, said = _section(calibration, letter, axes.get(letter, {}))
@@ -92,6 +93,7 @@ def _squareness(calibration: Calibration) -> tuple[dict[str, Any], dict[str, str
     """urad by name, U = 2 u of those that are known, and comments to them."""
     every = calibration.squareness.values()
     data: dict[str, Any] = {s.name: round(s.value / URAD, 6) for s in every}
+    # U = 2 u, as all U of a folder are k = 2
     if known := {s.name: round(2 * s.u / URAD, 6) for s in every if s.u is not None}:
         data["u"] = known
     comments = {}

@@ -77,6 +77,7 @@ def _order(component: Component) -> tuple[int, str]:
 
 
 def _row(component: Component, why: str) -> tuple[str, ...]:
+    # of what was measured, also where it is left out as small
     numbers = numbers_of(component)
     places = component.nodes
     return (

@@ -59,4 +59,5 @@ def tables(axis: str, travel: tuple[float, float], across: float, **named: float
         terms = (c * legendre(u, d) for d, c in enumerate(values, 2))
         return sum(terms, np.zeros(len(p)))
 
+    # chords of 1/160 of the travel leave 0.1 % of the fourth polynomial at most
     return [one_way(axis, f"E{XYZ[int(across)]}", travel, 161, shape)]

@@ -123,6 +123,7 @@ def sensible(
     in either of them."""
     if tau_ms > 0 or length_mm > 0:
         mean, difference = _rms(size_um, slope_um), _rms(difference_um, difference_slope_um)
+        # larger than what two spikes alike differ by, and not so large that one direction has none
         return UNLIKE * mean < difference <= ONE_WAY * mean
     if released:
         return UNLIKE * abs(size_um) < abs(difference_um) <= OPPOSES * abs(size_um)
@@ -133,6 +134,8 @@ def sensible(
 
 def _rms(size: float, slope: float) -> float:
     """Of (size + slope q) exp(-q) over q, the times or ways since a turn."""
+    # the integral of (size + slope q)**2 exp(-2 q) from 0 on: size**2 / 2 + size slope / 2 +
+    # slope**2 / 4
     return float(np.sqrt(size**2 / 2 + size * slope / 2 + slope**2 / 4))
 
 

@@ -77,4 +77,5 @@ def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table
         terms = (c * legendre(u, k) for k, c in zip(degrees(shape["degree"]), shares, strict=True))
         return sum(terms, np.zeros(len(p)))
 
+    # chords of 1/240 of the travel leave 0.8 % of the ninth polynomial at most, at its very ends
     return [one_way(axis, f"E{axis}", travel, 241, of)]

@@ -27,6 +27,7 @@ WIDE = 5.0  # degrees between samples that are worth a word
 def traces(recording: Recording) -> tuple[str, list[Trace], list[str]]:
     """The two axes, the circles, and notices. Raises IsoError with the line where the positions are
     no circle."""
+    # in the order X Y Z, so that xy means the same in every file
     axes = "".join(sorted(recording.head["centre"]))
     if len(axes) != 2 or any(x not in LINEAR for x in axes):
         raise IsoError(
@@ -96,6 +97,7 @@ def _circles(
 
 def _extent(arc: Trace) -> float:
     """rad, from before the first sample to behind the last."""
+    # a sample stands for half a step on either side of it
     return float(np.ptp(arc.angle) + np.median(np.diff(arc.angle)))
 
 
@@ -127,6 +129,7 @@ def result_of(recording: Recording, options: Options) -> Result:
     a, b = tuple(axes.lower())
     forth, back = ([t for t in found if t.way * sense > 0] for sense in (1, -1))
     senses = {f"{a}{b}": forth, f"{b}{a}": back}
+    # run by run: where one sense has more runs the rest of them has no partner
     pairs = list(map(Pair, forth, back))
     if not pairs:
         notices.append("one sense only: G(b), H and D are not defined")

@@ -78,6 +78,8 @@ def causes(axes: str, traces: Sequence[Trace], feed_mm_min: float | None = None)
     nominal = whole[0].nominal
     samples = [(t.angle, np.full(len(t.angle), float(t.way)), t.radial) for t in whole]
     angle, way, y = map(np.concatenate, zip(*samples, strict=True))
+    # where the circle's centre and the bar's zero were set up: they are in every reading, and no
+    # cause
     setup = np.column_stack([np.cos(angle), np.sin(angle), np.ones(len(angle))])
     columns = _columns(angle, way, nominal)
     units = _units(axes, feed_mm_min)
@@ -93,6 +95,7 @@ def causes(axes: str, traces: Sequence[Trace], feed_mm_min: float | None = None)
     free = SECTORS - 3
     u = np.sqrt((pulls**2).sum(axis=1) * SECTORS / free) * student(free)
     turns = [np.ptp(_columns(TURN, np.full(len(TURN), w), nominal), axis=0) for w in (1.0, -1.0)]
+    # a cause that goes with the sense differs between both; the larger one is told
     unit_range = np.maximum(*turns)
     ranges = np.abs(found[: len(units)]) * unit_range
     rows = [

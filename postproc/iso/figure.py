@@ -59,6 +59,7 @@ def draw(results: Sequence[Result], format: str) -> bytes:
         )
     heights = [SIDE if isinstance(r.detail, list) else HEIGHT for r in shown]
     with matplotlib.rc_context(PAPER):
+        # not pyplot: that would ask for a window, and keep every figure that was drawn
         figure = Figure(figsize=(WIDTH, sum(heights)), layout="constrained")
         grid = figure.add_gridspec(len(shown), 1, height_ratios=heights)
         for i, result in enumerate(shown):

@@ -110,6 +110,7 @@ def cause_rows(causes: Causes) -> list[list[str]]:
 
 
 def _acts(of: frozenset[str], result: Result) -> str:
+    # "all" of those that have a value: a term that acts on a parameter without one is not told
     names = [p.name for p in result.parameters if p.name in of and p.value is not None]
     known = [p.name for p in result.parameters if p.value is not None]
     return "all" if names == known else ", ".join(names) or "nothing"

@@ -110,6 +110,7 @@ def _narrowest(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The narrowest zone is parallel to a line through two of its points: all pairs are tried."""
     i, j = np.triu_indices(len(x), 1)
     zones, slopes = [], []
+    # draws at once: pairs times targets numbers for each
     size = max(1, CELLS // (len(i) * len(x)))
     for part in (y[k : k + size] for k in range(0, len(y), size)):
         #     --o---------o--      Two parallels that touch one point each can still be turned, and
@@ -123,6 +124,7 @@ def _narrowest(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(zones), np.concatenate(slopes)
 
 
+# name, and whether a positive one makes the angle larger (1) or smaller (-1)
 SQUARENESS = {"XY": ("C0Y", 1), "YZ": ("A0Z", 1), "XZ": ("B0Z", -1)}
 
 

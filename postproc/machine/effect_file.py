@@ -36,6 +36,7 @@ def read_effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...
         axis = _effect_axis(entry, module, axes)
         sizes = effects.sizes(module)
         entry.check_keys(KEYS | set(module.PARAMETERS) | {f"u_{p}" for p in sizes})
+        # a parameter that is not optional has no default, and `number` refuses its absence
         optional = getattr(module, "OPTIONAL", {})
         parameters = {p: entry.number(p, optional.get(p)) for p in module.PARAMETERS}
         for key, value in parameters.items():
@@ -111,6 +112,8 @@ def _spread(entry: Section, term: EffectTerm, axes: dict[str, Axis], name: str) 
 def _measured(entry: Section) -> tuple[float, float] | None:
     """mm: from where to where of the axis the readings were that an effect was found in; None where
     nobody said."""
+    # of a machine that somebody wrote by hand nothing is said: its curve is taken to hold all over
+    # the travel
     value = entry.get("measured_mm")
     return None if value is None else entry.span("measured_mm", value)
 
@@ -121,6 +124,9 @@ def _held(table: AxisTable, measured: tuple[float, float] | None) -> AxisTable:
     if measured is None:
         return table
     low, high = measured
+    #    curve   '.   .---.   .'     Beyond the last reading a fitted curve is a guess, and grows
+    #    held    ---.'     '.---     fastest: it stays what it was where somebody has read it.
+    #              low     high
     inside = table.nodes[(table.nodes > low) & (table.nodes < high)]
     nodes = np.unique(np.concatenate([[table.nodes[0], low], inside, [high, table.nodes[-1]]]))
     at = np.clip(nodes, low, high)
@@ -157,6 +163,7 @@ def _applied(
         return (), ()
     rows, own = [], []
     if hasattr(module, "tables"):
+        # of a pair "XZ" either may be the one whose place counts
         moving = module.moving(axis, **parameters) if module.PER == "pair" else axis
         rows += module.tables(axis, axes[moving].travel, **parameters)
     if hasattr(module, "arm_tables"):

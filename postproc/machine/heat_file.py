@@ -36,6 +36,7 @@ def heat(section: Section) -> Expansion | None:
             ("fixed_mm", 0.0),
         )
     )
+    # metals have 1 to 30, plastics up to 100 or so: beyond, it is another unit
     if max(abs(rate), abs(work)) > 100:
         raise section.fault(
             "heat",
@@ -70,6 +71,7 @@ def sensors(
             'columns of a log, like ["T_1_C", "T_2_C"], or with the mm at which each sits: { T_1_C'
             " = 0.0, T_2_C = 500.0 }",
         )
+    # in the order of their places, as np.interp wants them (growth._grown_by)
     placed = sorted((float(at), c) for c, at in scale.items())
     if len({at for at, _ in placed}) < len(placed):
         raise section.fault(

@@ -49,6 +49,8 @@ def only(machine: Machine, wanted: Iterable[str]) -> Machine:
     A positioning stands for all that acts along its axis: EXX brings backlash:X and heat:X along.
     """
     chosen = set(wanted)
+    # a control that holds EXX of an axis holds its backlash and growth as well, as a user of --only
+    # means it
     chosen |= {f"{kind}:{x}" for x in machine.axes if f"E{x}{x}" in chosen for kind in ALONG}
     axes = {x: _axis(x, axis, chosen) for x, axis in machine.axes.items()}
     square = {x: np.where(_of_square(x, chosen), lean, 0.0) for x, lean in machine.square.items()}
@@ -59,6 +61,7 @@ def only(machine: Machine, wanted: Iterable[str]) -> Machine:
         square=square,
         digest=digest,
         effects=tuple(t for t in machine.effects if _kept(t, chosen)),
+        # what is not corrected has no part in the uncertainty of the correction
         square_u={name: u for name, u in machine.square_u.items() if name in chosen},
     )
 

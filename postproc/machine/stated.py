@@ -162,6 +162,8 @@ class Stated:
     @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
         """Axis to the range, mm or degrees, that all its tables cover; none without tables."""
+        # Of measured tables alone: those of effects reach over all of the travel. Where several
+        # reach unlike far, only what all of them cover is known.
         covered = {x: [table.nodes] for x, table in self.tables.items()}
         for grid in (grid for axis in self.axes.values() for grid in axis.grids):
             covered.setdefault(grid.letter, []).append(grid.nodes)
@@ -232,6 +234,7 @@ class Stated:
     @cached_property
     def two_way(self) -> np.ndarray:
         """(A,) bool: axes whose direction of approach matters."""
+        # a grid counts for the axis whose approach it goes by, not for the one it depends on too
         by_effect = {table.letter for e in self.effects for table in e.tables if table.two_way}
         by_effect |= {grid.letter for grid in self.grids if grid.two_way}
         return np.array(

@@ -28,6 +28,7 @@ from postproc.records import record
 from postproc.spaces import Space
 
 SOFT = 0.05  # rad of the tool per rad of an axis: 2.9 degrees beside a pole
+# of one motion: beside a pose that no slide can hold the bound grows beyond every measure
 MOST_PARTS = 20_000
 # degrees that a stroke turns at most, and places looked at on it
 SAMPLES = ((40.0, 9), (160.0, 33), (np.inf, 129))
@@ -84,6 +85,8 @@ class TipMachine(Machine):
 
     def slides(self, position: np.ndarray) -> np.ndarray:
         """(A, N) slide positions, mm and degrees, at commands (A, N) of the space."""
+        #    word u --turn, origin--> tip in the part --anchor: [tool] without its length--> slides
+        # The length of the tool is in `base` already (poses.with_length).
         rows = [self.letters.index(x) for x in XYZ]
         tip = poses.turned(self.space.matrix, position[rows]) + np.array(self.space.origin)[:, None]
         return poses.slides_at(self.base, tip + self.anchor[:, None], position)
@@ -204,6 +207,8 @@ class TipBounds(Bounds):
         machine, n = self.machine, start.shape[1]
         t = np.linspace(0.0, 1.0, count)
         places = (start[:, :, None] + (target - start)[:, :, None] * t).reshape(len(start), -1)
+        # approach 0, the mean of both sides: where a motion bends, and not which side a slide bears
+        # on
         off = machine.deviation(places, np.zeros_like(places)).reshape(len(start), n, count)
         slides = machine.slides(places)[list(machine.chained)].reshape(-1, n, count)
         way = np.abs(np.diff(slides, axis=2)).sum(axis=(0, 2))

@@ -51,6 +51,7 @@ class TomlFile:
         here, counts = "", Counter({"": 1})
         for number, line in enumerate(self.text.splitlines(), 1):
             if header := re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line):
+                # [axes."Z"] is [axes.Z]
                 here = header[1].replace('"', "")
                 counts[here] += 1
                 yield number, here, counts[here] - 1, ""
@@ -152,6 +153,7 @@ class Section:
     def own(self, key: str, name: str) -> Path:
         """A file of its folder. Raises MachineError for one that lies elsewhere: a machine comes
         from a stranger as well, and may name no other file of this computer."""
+        # links are followed first: a name that looks harmless may lead out by one
         path = intake.inside(self.toml.path.parent, name)
         if path is None:
             raise self.fault(

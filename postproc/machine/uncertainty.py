@@ -71,6 +71,7 @@ class AlongPath:
     ) -> None:
         """Places (A, N) mm, the tool's length there (A, N) mm, and the line of each. Of equal ones
         the first line counts, in whatever portions they come."""
+        # nothing is stated: an U of zero would be a figure, and a wrong one
         if not len(line) or not self.known.parts:
             return
         u = self.at(position, approach, tool)
@@ -81,6 +82,7 @@ class AlongPath:
 
     def at(self, position: np.ndarray, approach: np.ndarray, tool: np.ndarray) -> np.ndarray:
         """(N,) mm: U at places, as in `see`."""
+        # in programs of several tools each has its own arms, and so its own machines
         u = np.zeros(position.shape[1])
         # Where no rotation is uncertain the tool is no arm of anything: one length stands for all.
         # a machine for each tool length would be built anew: a program has few of them
@@ -146,6 +148,7 @@ def _errors(machine: Machine) -> list[str]:
     names = [
         name for x, axis in machine.axes.items() for name in _of_axis(axis, x in machine.expansions)
     ]
+    # squareness that is stated as zero corrects nothing and needs no U
     names += machine.angles
     unsaid = [
         k

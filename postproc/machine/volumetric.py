@@ -54,6 +54,7 @@ class VolumetricMap:
         own = [t.nodes for t in (self.axes.get(x),) if t is not None]
         own += [g.nodes for g in self.grids if g.letter == x]
         reach = own + [g.others for g in self.grids if g.other == x]
+        # without any table any travel will do: nothing depends on it
         return (min(n[0] for n in reach), max(n[-1] for n in reach)) if reach else (-1.0, 1.0)
 
     def machine(
@@ -89,6 +90,7 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
     left: dict[str, float] = {}
     for x in machine.chain.axes:
         axis = machine.axes[x]
+        # (3,) mm: what of every arm of this axis stays, whatever the slides do
         offset = machine.tool - machine.measured[x]
         # 1, 0 or -1: its own position is in the arm that its optic had and the axis has not, or the
         # other way round
@@ -110,6 +112,8 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
                 grids.append(replace(table, forward=forward, reverse=reverse))
             else:
                 axes[x] = replace(table, forward=forward, reverse=reverse)
+            # exact at the nodes; between them rotation times own position is a parabola, and a
+            # table a chord
             if own:
                 add(left, _bend(table, x))
     chain, angles, notices = machine.chain, machine.angles, _unwritten(machine)

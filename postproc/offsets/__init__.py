@@ -167,6 +167,8 @@ def read(
         format = _recognised(source)
     offsets: Offsets = load(format).read(source)
     offsets.format = format
+    # a file without any offset is the wrong file: read as none it would put every zero at the
+    # machine's
     if not offsets.work and not offsets.tools:
         raise UsageError(
             f"{name}: no offset stands in this {load(format).TITLE}", f"formats: {_titles()}"
@@ -201,6 +203,7 @@ def _decoded(data: bytes, name: str) -> str:
     else:
         # Reader control codes (DC1 to DC4), the end mark of DOS, and a tape's leader are no text
         # and say nothing.
+        # a control that punched to a tape sends leader and reader codes along
         data = data.strip(b"\0").translate(None, b"\x11\x12\x13\x14\x1a")
         try:
             text = data.decode("utf-8-sig")

@@ -63,6 +63,7 @@ def _take(
     source: Source, number: int, name: str, values: dict[str, float], offsets: Offsets
 ) -> None:
     """One row."""
+    # "G54.1 P3", "G247 P1": the names with a number of their own; tools have none
     work = bool(WORK_NAME.fullmatch(name)) or " P" in name
     if work and "R_mm" in values:
         raise source.fault(number, f"{name} is a work offset, which has no radius", ADVICE)

@@ -40,6 +40,7 @@ def read(source: Source) -> Offsets:
     """
     offsets = Offsets()
     entries = list(_entries(source))
+    # the first value is X, a length: angles of rotary axes have three decimals in either unit
     scale = _scale(source, [values[0] for *_, values in entries], offsets)
     for number, name, texts in entries:
         # GRBL reports one tool length, along Z; grblHAL one for each axis

@@ -42,6 +42,7 @@ def _parameters(source: Source) -> dict[int, float]:
                 number, f"parameter {parameter} stands twice", "keep the one that is true"
             )
         # Values of parameters that are no offsets may be any size.
+        # below 5210 stand user parameters, probe results, tool data: not offsets, and of any size
         wanted = parameter >= SHIFT_ON
         value[parameter] = source.number(number, found[2]) if wanted else 0.0
     return value

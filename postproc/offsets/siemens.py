@@ -43,6 +43,7 @@ COMPONENTS = {"CTRANS": "TR", "CFINE": "FI", "CROT": "RT", "CSCALE": "SC", "CMIR
 NEUTRAL = {"SC": 1.0}
 MILL, TURN = "ZYX", "XZY"  # axes of length 1 2 3 in G17 and G18
 TURNING = range(400, 600)
+# numbers of $TC_DP: geometry, wear and base of each length; of the radius geometry and wear
 TYPE, RADII, LENGTHS = 1, (6, 15), ((3, 12, 21), (4, 13, 22), (5, 14, 23))
 USED = {TYPE, *RADII, *(number for numbers in LENGTHS for number in numbers)}
 ADVICE = "numbers only: a file that the control's archive holds, not a program that computes them"
@@ -62,6 +63,7 @@ class Frame:
         scale = any(
             v != NEUTRAL.get(c, 0.0) for c in ("SC", "MI") for v in self.parts.get(c, {}).values()
         )
+        # a turn about Z alone is an offset with a rotation, unless the shift comes behind it
         return bool(turn - {"Z"}) or scale or (self.turned_first and bool(turn))
 
 

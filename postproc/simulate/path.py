@@ -19,6 +19,7 @@ XYZ = "XYZ"
 STRAIGHT = 1e-6  # rad: less is no corner
 BACK = np.pi - 0.05  # rad: sharper corners are stopped in
 SHALLOWEST = 1e-6  # mm: a curve that turns an axis back by less does not
+# ten points: 1e-6 mm of a spiral that begins in its centre, the last digits of others
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(10)
 
 

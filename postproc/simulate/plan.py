@@ -20,6 +20,7 @@ import numpy as np
 from postproc.simulate.limits import Limits
 from postproc.simulate.path import Path
 
+# with half of the acceleration left to the speed: 0.5**2 + 0.866**2 = 1
 BEND = math.sqrt(3.0) / 2.0
 SPIRAL = 1.09  # r times the curvature of r = r0 + k phi is at most this
 EVEN = 1e-9  # difference of two directions that is none
@@ -201,6 +202,7 @@ def _reach(v0: float, way: float, a: float, j: float) -> float:
         p = math.sqrt(2.0 * v0 / 3.0)
         w = 2.0 * p * math.sinh(math.asinh(way * math.sqrt(j) / (2.0 * p**3)) / 3.0)
         return v0 + w * w
+    # the acceleration reaches a: v**2 + full v = v0**2 - full v0 + 2 a way, solved for v
     return (-full + math.sqrt(full * full - 4.0 * (v0 * full - v0 * v0 - 2.0 * a * way))) / 2.0
 
 

@@ -93,6 +93,7 @@ class Reader:
             self.corrected |= bool(marks.PROGRAM[0].search(portion))
             filter_.feed(marks.PROGRAM[0].sub(lambda found: found[0].replace(b" ", b"_"), portion))
         filter_.finish()
+        # the other parts would say the same again
         if part == 1:
             self.notices += filter_.notices
         known = filter_.modal.known
@@ -180,6 +181,7 @@ class Reader:
         for k in np.flatnonzero(motions.reason)[:1]:
             message, advice = motions.reasons[int(motions.reason[k])]
             raise self._fault(line[k], message, advice)
+        # refused rather than approximated: a simulated recording is taken for what the machine does
         for which, what, advice in (
             (
                 motions.code == HOLE,

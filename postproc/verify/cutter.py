@@ -26,6 +26,7 @@ from postproc.pieces import Pieces
 from postproc.units import TICKS_PER_MM, UM
 from postproc.verify.largest import Largest
 
+# as along paths outside (verify/__init__.py)
 STEP_MM = 2.0
 PLAY_MM = 0.01  # an axis that moves less has not turned back
 NEAR = 1e-4  # of a way, to both sides: there a slide's direction is looked at
@@ -69,6 +70,7 @@ class CentreVerifier:
         inside = np.flatnonzero(motions.cutter != FREE)
         first = np.searchsorted(pieces.motion, np.arange(len(motions) + 1))
         entry, radius = motions.cutter == ENTRY, motions.radius
+        # a radius of nan is one that nobody stated: those contours are measured as written
         enters = entry & (radius != 0) & np.isfinite(radius)
         leaves = entry & (radius == 0)
         for i in inside.tolist():
@@ -191,6 +193,7 @@ class CentreVerifier:
             np.min([_distance(w, actual, rows) for w in near], axis=0) if near else np.zeros(len(t))
         )
         worst = int(np.argmax(distance))
+        # of the worst place the author's line, by the motion that the way belongs to
         into.take(float(distance[worst]), self.lines.get(way.owner, 0))
 
     def _approach(self, contour: Contour, way: Way, t: np.ndarray) -> np.ndarray:

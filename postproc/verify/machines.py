@@ -117,6 +117,8 @@ class Machines:
         self, nominal: Motions, owner: np.ndarray, t: np.ndarray, actual: np.ndarray
     ) -> np.ndarray:
         """(K,) mm from actual points (A, K) to the nominal path of motions `owner` (K,) at t."""
+        # on a face X and C are Cartesian, and both are corrected: the distance is measured in other
+        # rows
         faces = [k for k, space in enumerate(nominal.spaces) if space is not None and space.polar]
         on = np.isin(nominal.space[owner], faces)
         if not on.any():

@@ -32,6 +32,7 @@ def of_axes(
     found = {}
     for x in (x for x in XYZ if x in machine.chain.axes):
         at = _places(rows, machine, x, [np.ones(r.q.shape[1], bool) for r in rows])
+        # an axis that rests all through: its errors are constants of the set-ups
         if np.ptp(at) < SAME:
             continue
         found[x] = _thinned(at, number)
@@ -85,6 +86,7 @@ def _seen(r: Rows, unknowns: Unknowns) -> np.ndarray:
     nominal = nominal_tip(unknowns.bare, r.q, r.tool)
     by, _ = r.slopes(columns, off, r.start, nominal, angle_columns(unknowns, r))
     # of a cloud X of all places stands first, then Y, then Z
+    # a place shows a number if any of its three coordinates does
     each: np.ndarray = np.abs(by).reshape(-1, r.q.shape[1], unknowns.number).max(axis=0).T
     return each > SEEN
 

@@ -134,6 +134,7 @@ def folder(
         **head,
         **_taken(like, ("control", "chain", "diameter", "reversal", "limits")),
     }
+    # unverified: the signs of a new map are shown by a measurement after compensation alone
     data |= {"source": f"gcomp volumetric from {', '.join(files)}", "signs": "unverified"}
     top = "Written by gcomp volumetric. Deviation = actual - commanded, tool against workpiece."
     comments = {"": "\n".join([top, *_of_undetermined(fit)])}
@@ -240,12 +241,14 @@ def _on_nodes(fit: Fit, group: Group | None, nodes: np.ndarray) -> tuple[np.ndar
     if group is None:
         return np.zeros(len(nodes)), np.zeros(len(nodes))
     # between two nodes u is theirs by shares at most
+    # held beyond its own nodes, as the machine's table will be
     value, u = (np.interp(nodes, group.nodes, v) for v in fit.values(group))
     return value, u
 
 
 def _tables(fit: Fit, letter: str, own: list[Group], turned: Group | None) -> tuple[str, str]:
     """The axis table and the table of its U."""
+    # lost motion alone, without any component: a table of two nodes holds it over the travel
     travel = np.array(fit.unknowns.bare.axes[letter].travel)
     nodes = np.unique(np.concatenate([g.nodes for g in own])) if own else travel
     along = f"E{letter}{letter}"

@@ -47,6 +47,7 @@ def _paths(
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """The straightness as it was read and as the angle makes it, mm, lines off both, in + and -
     where both were measured so; none where too little was."""
+    # only where both were measured: an integral beyond the angle's own targets would be invented
     low, high = max(angle.nodes[0], straight.nodes[0]), min(angle.nodes[-1], straight.nodes[-1])
     nodes = np.unique(np.concatenate([angle.nodes, straight.nodes]))
     nodes = nodes[(nodes >= low) & (nodes <= high)]
@@ -106,6 +107,7 @@ def _verdict(
     angle: str, straight: str, measured: float, predicted: float, correlation: float, u: float
 ) -> tuple[str, str, str]:
     """Level, component and sentence; measured, predicted and u in mm."""
+    # 4 u: the range of two values that are each known to 2 u
     if measured < 4 * u:
         return "note", straight, "within the uncertainty, nothing can be said"
     if predicted > TOO_MUCH * measured and predicted > 1 * UM:

@@ -106,6 +106,7 @@ class Settings:
         """Axis to number, of "X1,Z-2.5"; empty where it is not given. A letter alone counts 1."""
         result: dict[str, float] = {}
         for part in filter(None, self.given.get(name, "").replace(" ", "").split(",")):
+            # "X1,Z-2.5", "X=1" or "Z": a letter alone is a direction
             found = re.fullmatch(r"([XYZ])=?([-+]?(?:\d+\.?\d*|\.\d+)?)", part)
             if not found or (found[2] in ("+", "-") and len(part) > 2):
                 raise self._fault(name, "like X1,Z-2.5")
@@ -159,6 +160,7 @@ def recorded(
             columns[name] = (
                 np.round(columns[name] * unit / noise.resolution) * noise.resolution / unit
             )
+    # thermometers are not rounded: they have a noise of their own
     columns |= _sensed(signal, noise, rng, without)
     return Recording(signal.kind, _stated(signal, noise, head, zeros), columns)
 

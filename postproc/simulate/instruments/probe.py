@@ -110,6 +110,7 @@ def _at(base: State, reality: Reality, axis: str, off: float, material: float) -
     for x in base.position:
         low, high = reality.machine.axes[x].travel
         position[x] = np.full(n, (low + high) / 2 if np.isfinite(low + high) else 0.0)
+    # half the feature on either side of the middle: what grows with the position shows in its size
     position[axis] = position[axis] + off
     still = {x: np.zeros(n) for x in position}
     channels = base.channels | {"material": np.full(n, material)}
