@@ -28,6 +28,7 @@ def outcome(before: Motion, after: Motion, machine: Machine | None, options: Opt
     """All of one pair of motions."""
     results = [targets.result_of(m, options) for m in (before, after)]
     whole = [_test(r) for r in results]
+    # each on the targets of the other: what only one of them has can not be compared
     second = _on(whole[1], whole[0])
     tests = [_on(whole[0], second), second]
     if not len(second.target):
@@ -117,6 +118,7 @@ def _largest(result: Result, test: Positioning, line: bool) -> Parameter:
             np.abs(means - np.nanmean(means, axis=(-2, -1), keepdims=True)), axis=(-2, -1)
         )
 
+    # drawn again as the largest of ISO 230-2's means is (iso/sampling.py)
     runs = None if noise is None or not noise.s else about(values, noise, largest)
     terms = tuple(
         replace(t, of=frozenset([LARGEST])) for t in result.terms if t.of & {"E", "E+", "E-"}

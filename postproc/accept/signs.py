@@ -83,6 +83,8 @@ def _ratio(
     # d value / d b_i is (a_i - 2 value b_i) / size2, d value / d a_i is b_i / size2
     slope = a - 2 * value * b
     u = np.sqrt(float((b**2) @ (ua**2) + slope**2 @ (ub**2))) / size2
+    # a = value b + what does not follow b: with one run each, its scatter is all that is known of
+    # either mean.
     if not dof:  # single runs: what does not follow b is all that is known of the scatter
         free = max(len(b) - taken - 1, 1)
         u, dof = np.sqrt(float(np.sum((a - value * b) ** 2)) / free / size2), free

@@ -70,6 +70,7 @@ def known_to(calibration: Calibration, name: str, at: Mapping[str, float], movin
         # line
         if angle is not None and x != moving and moving in arm:
             u = np.nan_to_num(angle.u).max(axis=0)
+            # u of the angle where its axis stood: the larger of both directions
             total += float(np.interp(at.get(x, 0.0), angle.nodes, u)) ** 2
     return total**0.5
 

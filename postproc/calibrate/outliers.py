@@ -40,6 +40,7 @@ class Outlier:
 def find(series: Series, cells: Cells) -> list[Outlier]:
     """All outliers of one series, in the order of its file. A reading is named once."""
     found = {o.row: o for o in _against_neighbours(series, cells)}
+    # by its other runs where there are some: they know the place itself, neighbours only the curve
     found |= {o.row: o for o in _against_runs(series, cells)}
     return [found[row] for row in sorted(found)]
 

@@ -140,6 +140,7 @@ def _standing_out(
 def _state(recordings: Sequence[Recording]) -> list[Finding]:
     """What is said of recordings made after compensation; one before among them makes a map of
     neither machine. Raises CalibrationError."""
+    # what says nothing counts as before compensation, as most recordings are
     after = [r.file for r in recordings if r.head.get("compensated") is True]
     before = [r for r in recordings if r.head.get("compensated") is not True]
     if after and before:
@@ -163,5 +164,6 @@ def _checked(calibration: Calibration) -> list[Finding]:
     """What every check in checks/ finds."""
     found: list[Finding] = []
     for module in sorted(pkgutil.iter_modules(checks.__path__), key=lambda m: m.name):
+        # a check is a file in checks/: nothing else has to name it
         found += importlib.import_module(f"{checks.__name__}.{module.name}").check(calibration)
     return found

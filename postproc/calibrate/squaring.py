@@ -47,6 +47,7 @@ def determine(calibration: Calibration) -> tuple[dict[str, Squareness], list[Fin
             # one that states no u (a square whose own error is in it) is the last choice
             best = min(sources.values(), key=lambda s: np.inf if s.u is None else s.u)
             result[name] = best
+        # told, never averaged: two sources that differ mean an error in one of them
         findings += _compare(result[name], sources)
     if options.keep_lines:
         findings += _counted_twice(calibration, result)
@@ -363,6 +364,7 @@ def _leftover(calibration: Calibration, diagonal: Diagonal) -> tuple[float, floa
     left = diagonal.reading - along
     s = np.asarray(sum(c * diagonal.path[x] for x, c in diagonal.direction.items()))
     # Each direction of travel has its own height: a reversal is not a slope.
+    # s (N,) mm along the diagonal; columns: slope, height coming forth, height coming back
     terms = np.column_stack([s - s.mean(), diagonal.approach >= 0, diagonal.approach < 0]).astype(
         float
     )

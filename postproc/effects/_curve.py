@@ -23,6 +23,7 @@ def curve_ends(state: State, axis: str) -> dict[str, float]:
     travel. A circle or a log of a few mm tells no curve of a screw."""
     (low, high), travel = reached(state, axis), state.travel[axis]
     moving = state.passage[state.approach[axis] != 0] >= 0 if len(state.passage) else False
+    # between PART[0] and PART[1] of the travel a curve gets a range of its own: from_mm to to_mm
     part = (high - low) / (travel[1] - travel[0])
     if np.any(moving) or not PART[0] < part < PART[1]:
         return dict.fromkeys(ENDS, 0.0)
@@ -35,5 +36,6 @@ def place_in(
     """(N,): places (N,) mm as -1 to +1 of the travel, or of a curve's own range where it has one;
     beyond that as at its ends."""
     if from_mm < to_mm:
+        # beyond its range a polynomial of degree nine would leave all bounds: held at its ends
         return np.clip(2 * (place - from_mm) / (to_mm - from_mm) - 1, -1.0, 1.0)
     return 2 * (place - travel[0]) / (travel[1] - travel[0]) - 1

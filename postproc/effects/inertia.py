@@ -36,6 +36,8 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 def columns(state: State, axis: str, settle_ms: float = 0.0) -> np.ndarray:
     if settle_ms <= 0:
+        # um per mm/s2, with the sign of the acceleration: what lags has a size below zero
+        # (EXPECTED)
         return along(axis, state.acceleration[axis])
     tau, speed = settle_ms * 1e-3, state.velocity[axis]
     # an acceleration through the element is what the speed is ahead of itself through it

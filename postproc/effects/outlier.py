@@ -22,6 +22,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 def columns(state: State, axis: str, t_s: float) -> np.ndarray:
     off = np.zeros(len(state))
+    # the reading taken next to that moment, and no other
     off[np.argmin(np.abs(state.time - t_s))] = 1.0
     return along(axis, off)
 

@@ -28,6 +28,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def columns(state: State, axis: str) -> np.ndarray:
+    # the laser believes the thermometer: 0.93 ppm of its beam for each K that it reads too much
     hours = (state.time - state.time.min()) / 3600.0
     return (PPM_K * 1e-6 * hours * light(state))[None]
 

@@ -163,12 +163,14 @@ def _durations(
     length[arcs.motion] = np.hypot(turned, across)
     feed = motions.feed * pace.unit_of_feed(motions) / 60.0
     if len(motions):
+        # G95: mm per turn, times turns per minute
         by_turn = spindle.mode[motions.block] == pace.PER_TURN
         feed = np.where(by_turn, feed * rpm, feed)
     feed = np.where(
         motions.code == THREAD, np.where(motions.lead > 0, motions.lead, np.nan) * rpm / 60.0, feed
     )
     with np.errstate(divide="ignore", invalid="ignore"):
+        # G93: F is blocks per minute
         took = np.where(motions.inverse, 60.0 / motions.feed, length / feed)
     # the block's own way is the rapid to the hole; then down and up
     took[motions.holes.motion] += rapid[motions.holes.motion] + _down(motions, feed, rates.velocity)

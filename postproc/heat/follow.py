@@ -87,6 +87,8 @@ class Heat:
         spells, notices = self._spells(course, motions)
         if len(spells):
             values = np.concatenate([values, spells.heat * self.step[:, None]], axis=1)
+        # how far heat moved each axis, for the sentence at the end: of every motion's middle and
+        # every spell
         most = tuple(
             max(a, self._moved(x, values)) for x, a in zip(self.letters, before.most, strict=True)
         )
@@ -106,6 +108,7 @@ class Heat:
             lags.append(
                 spindle_lags(dict(driver.spindle), times, self.pace, before.spindles[len(lags)])
             )
+        # the clock counts by the program's words; pace says that the machine takes longer
         second = self.pace / clock.MICRO
         course = Course(
             self.drivers, self.log, self.begin, times.begin * second, times.end * second,

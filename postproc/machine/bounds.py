@@ -49,6 +49,8 @@ class Bounds:
         for letter, table in machine.every_table:
             row = machine.letters.index(letter)
             spread, slope = table.slope_range(low[row], high[row])
+            # An angle's value acts as a slope where its arm grows. It changes without a jump, which
+            # `bend` bounds, and so counts for the steepness alone.
             kink += self.at_tip(letter, spread)
             steep += self.at_tip(letter, slope) + float(np.linalg.norm(table.sizes[3:]))
         return kink, steep
@@ -94,6 +96,7 @@ class Bounds:
                     if x == letter:
                         total[np.searchsorted(nodes, own)] += self.at_tip(grid.letter, 2 * slope)
             row = machine.letters.index(letter)
+            # cumulated, so that what lies between two places is a difference of two entries
             found.append((row, nodes, np.concatenate([[0.0], np.cumsum(total)])))
         return found
 
@@ -193,6 +196,8 @@ class Bounds:
             size, lean, _, _ = self._sizes(x, np.zeros(1))
             if x in m.expansions:
                 size += abs(m.expansions[x].rate) * 2 * self._travel(x)
+            # left out of a sum of first order: every angle times every shift, and times the arm of
+            # every other angle
             angle += lean
             shift += size + lean * (
                 self.reach(x) + self._travel(x) if x in LINEAR else self.reach(x)

@@ -93,6 +93,8 @@ def grown(machine: Machine, moving: tuple[Driver, ...], values: np.ndarray) -> M
         if own:
             nodes = np.unique(np.concatenate([d.nodes for d, _ in own]))
             both = np.zeros((6, len(nodes)))
+            # each driver's shape on common nodes, times its value of the moment: exact, as all are
+            # linear between
             both[along(letter)] = sum(
                 (v * np.interp(nodes, d.nodes, d.unit) for d, v in own), np.zeros(len(nodes))
             )
@@ -114,6 +116,8 @@ def following(machine: Machine, moving: tuple[Driver, ...]) -> Machine:
             work_at = REFERENCE if "work" in by else e.work_at
             axes[x] = replace(axis, expansion=replace(e, scale_at=scale_at, work_at=work_at))
     names = " ".join(f"{d.name} {d.column}" for d in moving)
+    # a program that was corrected by this log is not that of the same machine without: the mark
+    # differs
     digest = hashlib.sha256(f"{machine.digest} {names}".encode()).hexdigest()[:8]
     return replace(machine, axes=axes, growth=moving, digest=digest)
 
@@ -203,6 +207,7 @@ def _of_effect(
     if term.name == "spindle_growth" and p["tau_s"] > 0:
         named = tuple(sorted(p.items()))
         return [Driver(name, x, "", 0.0, nodes, np.full(2, UM), named)] if spindles else []
+    # no thermometer of its kind in the log: the caller says that it is not followed
     columns_of, unit = _unit(term, nodes)
     column = _first(columns_of, columns)
     return [Driver(name, x, column, np.nan, nodes, unit * UM)] if column else []

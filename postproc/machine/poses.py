@@ -60,6 +60,8 @@ def axes_of(machine: Machine, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     for letter in reversed([x for x in machine.chain.axes if x in ROTARY]):
         turn = rotation(letter, np.radians(q[rows[letter]]))
         tool = np.einsum("ijn,jn->in", turn, tool)
+        # what turns with an axis are the tool and the rotary axes nearer to it; its own direction
+        # does not turn
         found = {x: np.einsum("ijn,jn->in", turn, way) for x, way in found.items()}
         found[letter] = np.repeat(np.eye(3)[:, [ROTARY.index(letter)]], n, axis=1)
     return np.stack([found[x] for x in machine.chain.rotary]), tool
@@ -87,6 +89,7 @@ def slides_at(machine: Machine, tip: np.ndarray, q: np.ndarray) -> np.ndarray:
             f"at {pose} degrees the slides no longer move in directions of their own",
             "the tool tip can not be held there: keep away from this pose",
         )
+    # rotary places, and a printer's E, stay as they are
     result = q.copy()
     solved = np.linalg.solve(matrix, (tip - place).T[:, :, None])[:, :, 0]
     for k, x in enumerate(XYZ):

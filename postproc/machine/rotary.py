@@ -201,6 +201,7 @@ def _along_slides(
     # From the part outwards: a slide's direction, as the part sees it, is turned by the rotary axes
     # between both. Where none lies between two slides, their directions stand at right angles, and
     # a projection on each is the answer.
+    # (3, 3, N) product of the rotations between the part and the link that is looked at
     before = np.repeat(np.eye(3)[:, :, None], n, axis=2)
     slides: list[str] = []
     directions: list[np.ndarray] = []
@@ -210,6 +211,8 @@ def _along_slides(
             before = np.einsum(
                 "ijn,jkn->ikn", before, rotation(letter, np.radians(position[letter]))
             )
+            # a slide stands before it already, and one follows: their directions may come to lie
+            # alike
             between |= bool(slides) and any(
                 x in XYZ for x in chain.axes[chain.axes.index(letter) :]
             )

@@ -143,6 +143,7 @@ def _register(source: Source, number: int, words: dict[str, str], memory: Memory
         if n == 0:
             return
     kind, allowed, numbers = TURNING if lathe else _form(source, number, code, words)
+    # a P that no control has may be a slip: its offset would be found under no name of a program
     if n not in numbers:
         raise source.fault(
             number, f"there is no offset P{n} of G10{' L' * bool(code)}{code}", ADVICE
@@ -214,6 +215,8 @@ def _assembled(source: Source, memory: Memory) -> Offsets:
             "numbers without a decimal point are read as whole mm or inches, not as least"
             " increments"
         )
+    # "": lathe offsets; "2" and "20": work offsets; "10" to "13": length and radius, geometry and
+    # wear
     has = {kind for kind, _ in memory.place}
     diameter = _is_diameter(source, memory, "" in has, offsets)
     shared = _is_shared(has, offsets)

@@ -79,6 +79,7 @@ def read(source: Source) -> Offsets:
     channel = ""
     for number, line in source.lines():
         text = line.upper().partition(";")[0].strip()
+        # one channel's data: of two the same frame would stand twice, with other axes
         found, chandata = ASSIGNMENT.fullmatch(text), CHANNEL.fullmatch(text)
         if found and found[1].startswith("TC_DP"):
             _edge(source, number, int(found[1][5:]), found[2], found[3], edges)

@@ -86,6 +86,7 @@ class Reality:
         """What every effect gives that such a signal shows. They count heat and time from the
         program's begin, so its first moment goes along as a row in front, and so do the moments at
         which the spindle's speed changes."""
+        # an effect shows in a signal that its module says it can be seen in (SEES)
         shown = [
             t
             for t in self.terms
@@ -130,6 +131,7 @@ class Reality:
         )
         position = np.stack([state.position[x] for x in bare.letters])
         approach = np.stack([state.approach[x] for x in bare.letters])
+        # each tool has its own arms: a machine for each, as many as the program has
         length = self.timeline.tool(piece)
         if not bare.turns or not length.any():
             return bare.xyz(bare.deviation(position, approach))

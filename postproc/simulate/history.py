@@ -59,6 +59,7 @@ def turns(path: Path, plan: Plan, play: float) -> Turns:
         given = np.full(shape[1], -1)
         given[moving[whole]] = moving[whole]
         last = np.maximum.accumulate(given)
+        # the way of the last piece that moved it for good holds until the next such
         now = np.where(last >= 0, np.sign(d)[np.maximum(last, 0)], 0.0)
         before = np.concatenate([[0.0], now[:-1]])
         turn = np.where((now != before) & (before != 0), np.arange(shape[1]), -1)
@@ -117,6 +118,7 @@ def warmth(path: Path, plan: Plan, heat: Heat) -> Warmth:
         if letter not in SLIDES:
             continue
         level = (heat.gain * speed[axis] * 0.06 * (1.0 - fade)).tolist()
+        # piece by piece: level is what the screw tends to, (1 - fade) of it comes in one
         now, track = 0.0, [0.0]
         for keep, more in zip(fade.tolist(), level, strict=True):
             now = now * keep + more

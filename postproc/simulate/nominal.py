@@ -41,6 +41,7 @@ def against(signal: Signal, nominal: Signal) -> Signal:
             "--nominal is for captures at rest (laser, straightness, angle); a ballbar reads"
             " against its circle anyway",
         )
+    # rest for rest: a corrected program has more motions and as many dwells
     n, wanted = len(signal.columns["run"]), len(nominal.columns["run"])
     if n != wanted:
         raise GcompError(

@@ -103,6 +103,8 @@ class Timeline:
         run = np.ones(len(time)) if run is None else run
         rows = {x: i for i, x in enumerate(letters) if x in self.machine.letters}
         slides = {x: i for x, i in rows.items() if x in XYZ}
+        # since the piece began: within it an axis goes one way, so this adds to its distance since
+        # a turn
         gone = np.abs(place - self.path.begin[:, own])
         return State(
             position=_by_axis(rows, place), approach=_by_axis(rows, turns.approach[:, own]),

@@ -63,6 +63,7 @@ class Writer:
         """What a program of this control begins with, and a rapid to the middle of all travels."""
         name = title.upper().replace("(", "").replace(")", "")
         offset = self.dialect.by_number.get(540)
+        # words count from G54 where the machine states it; else they are machine coordinates
         framed = "G54" in self.machine.offsets and offset is not None and not offset.refuses
         modes = [*self.modes, "G54"] if framed else self.modes
         if self.kind == "fanuc" or self.kind == "haas":
@@ -165,6 +166,7 @@ def ranges(machine: Machine, overrun: float) -> dict[str, tuple[float, float]]:
             continue
         low, high = axis.travel
         if axis.table is not None:
+            # within the tables as well: a program beyond them would be refused
             low, high = max(low, float(axis.table.nodes[0])), min(high, float(axis.table.nodes[-1]))
         low, high = max(low, axis.travel[0] + overrun), min(high, axis.travel[1] - overrun)
         if not np.isfinite(low + high) or high <= low:

@@ -50,6 +50,8 @@ class Verifier(Figures):
     def __init__(self, filter_: Filter):
         super().__init__(filter_)
         self.name = filter_.name
+        # an interpreter and slides of its own: the filter's have gone on by the time a batch is
+        # looked at
         self.interpreter = Interpreter(filter_.dialect, filter_.setup)
         self.state: ModalState = self.interpreter.initial()
         filter_.watchers.append(self.check)
@@ -68,6 +70,10 @@ class Verifier(Figures):
     ) -> None:
         """Compare a batch with its output. Raises GcompError when the output can not be read back
         or lost a motion."""
+        #    text in  --> motions --> pieces --> text out        the filter
+        #                  |           |           |
+        #               nominal     counted      read back by an interpreter of its own: measured is
+        #                                        what the control will read, not what was planned
         lexed, back = self._read_back(output, first_line)
         for i in np.flatnonzero(back.reason)[:1] if not self.machine.is_zero else ():
             why = back.reasons[int(back.reason[i])][0]
@@ -135,6 +141,9 @@ class Verifier(Figures):
         first = np.concatenate([[True], owner[1:] != owner[:-1]])
         begin -= begin[first][np.cumsum(first) - 1]
         ends = np.where(self.slides.has_play(pieces.start, pieces.end), END, NOTHING)
+        # PATH: every place of it; END: a take-up, of which the slides alone count, where it has
+        # brought them; NOTHING: a piece that was left as written, or a take-up after which nothing
+        # says a side.
         counts = np.where(pieces.corrected, np.where(pieces.take_up, ends, PATH), NOTHING)
         end, sense = begin + pieces.share, own.way(own.leg(every, one))
         there = self.machines.slides(
@@ -142,6 +151,8 @@ class Verifier(Figures):
         )
         ends = own.at(every, one, there, sense, motions.code == RAPID)[0]
         followed = self.centre.check(motions, back, pieces, ends * self.follows, line)
+        # inside G41 G42 the words are the contour's: what was followed there is measured along the
+        # centre
         inside = (motions.cutter != FREE)[owner]
         for into, of in ((self.corrected, ~inside), (self.at_contour, inside & ~followed[owner])):
             some = np.where(of, counts, NOTHING)
@@ -242,6 +253,8 @@ class Verifier(Figures):
         )
         # a thread in one block is corrected at its ends, as a notice says
         whole &= ~nominal.whole[owner]
+        # a motion that goes nowhere cuts nothing; an arc may end where it begins and still go all
+        # round
         moves = (nominal.target != nominal.start).any(axis=0) | ~all_known(
             self.machine, nominal.start_known
         )
@@ -374,6 +387,7 @@ class Verifier(Figures):
         start = (nominal.start / TICKS_PER_MM)[:, owner]
         target = (nominal.target / TICKS_PER_MM)[:, owner]
         moves = all_known(self.machine, nominal.start_known)[owner] & (nominal.code[owner] != RAPID)
+        # of a rapid only the end counts, so its tool is looked at as it stands there
         should = axes_of(self.machine, np.where(moves, start + (target - start) * t, target))[1]
         actual = np.zeros_like(should)
         for machine, of in self.machines.each(run, row):

@@ -98,6 +98,7 @@ def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
     rows, found = one.rows, one.found
     _enough(rows, said, found)
     left = np.split(one.residual[:number], np.cumsum(list(map(len, rows)))[:-1])
+    # found out of few degrees of freedom a u is itself uncertain: the least known kind decides
     factor = max([1.0, *(_few(free) for _, free in found.values())])
     # kind "": of all that state their u
     chi, free = _left_over(one.jacobian, one.inverse, one.residual, rows, said, "")
@@ -135,8 +136,12 @@ def _solution(rows: Sequence[Rows], said: list[bool], unknowns: Unknowns) -> _So
     """Least squares, the readings weighed again until their u is what is left of them."""
     rows = [replace(r, u=FIRST * unit_of(r)) if np.isnan(r.u) else r for r in rows]
     fixed = [_Fixed.of(r, unknowns) for r in rows]
+    # errors begin at zero: they are 1e-4 of the lengths, so that the problem is nearly linear from
+    # there
     start = np.concatenate([np.zeros(unknowns.number), *(r.start for r in rows)])
     kinds = sorted({r.kind for r in compress(rows, np.logical_not(said))})
+    # u of readings that state none is what is left of them, and what is left depends on the weights
+    # that u gives: so in turn, until u stays (a variance component for each kind).
     for _ in range(ROUNDS):
         x, jacobian, residual = _solved(rows, fixed, unknowns, start)
         inverse = _inverse(jacobian, rows, unknowns.number)
