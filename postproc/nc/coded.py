@@ -18,6 +18,8 @@ def written_codes(w: Words, place: np.ndarray, known: Coded | None = None) -> np
     if known is not None and len(known[0]) == len(place):  # none was left out
         return known[1]
     mantissa, decimals = w.mantissa[place], w.decimals[place]
+    # In tenths, for codes have one decimal: G54.10 is 541, G54.15 is 541.5 and so no code, which
+    # must not be read as G54.1.
     number: np.ndarray = mantissa * 10
     if any_of(decimals != 0):
         power = 10 ** np.minimum(decimals, 17)

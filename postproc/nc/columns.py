@@ -60,6 +60,7 @@ def begins(column: np.ndarray) -> np.ndarray:
 
 def hold_index(named: np.ndarray) -> np.ndarray:
     """(B,) index of the last named block up to each block, -1 before the first."""
+    #   named  . x . . x .   ->   -1 1 1 1 4 4
     index = np.arange(len(named))
     index[~named] = -1
     return np.maximum.accumulate(index)
@@ -79,14 +80,16 @@ def hold_last_float(column: np.ndarray, carry: float) -> np.ndarray:
 
 def named_since(named: np.ndarray, at: np.ndarray, carry: bool) -> tuple[np.ndarray, bool]:
     """(N,) bool: whether a block that names something, of `named` (B,), stands between the one
-    before of the blocks `at` (N,), or the begin, and each, itself among them; and whether one does
-    behind the last. carry: whether one does before the first block."""
+    before of the blocks `at` (N,), or the begin, and each, neither of the two counted; and whether
+    one does behind the last. carry: whether one does before the first block."""
     since = np.zeros(len(at), bool)
     if not any_of(named):
         since[:1] = carry
         return since, carry and not len(at)
     if not len(at):
         return since, True
+    # How many are named up to each block: one stands between two of `at` where the count before
+    # the second is above the count at the first.
     count = named.cumsum()
     before = (count - named)[at]
     since[0] = before[0] > 0 or carry

@@ -53,6 +53,9 @@ def without_comments(text: bytes, grammar: Grammar, drop: bool) -> tuple[bytes, 
     """The text, byte for byte as long, with comments and what block delete drops blanked and other
     spellings brought to letter and number; whether that was looked for; and the offset of the first
     slash within a block, -1: none. A newline ends it."""
+    # Comments first, for a slash or an equals sign in one means nothing; then what is not executed,
+    # for nothing in it need be readable; other spellings last. Every byte keeps its place: offsets
+    # into `code` are offsets into the program.
     code, within = _blanked(text, grammar), -1
     if drop and b"/" in code:
         code = SKIPPED[grammar.semicolon].sub(_only_slash, code)
@@ -64,6 +67,8 @@ def without_comments(text: bytes, grammar: Grammar, drop: bool) -> tuple[bytes, 
     if spelled:
         code = _respelled()(code, grammar)
     if b"\r" in code and code.count(b"\r") != code.count(b"\r\n"):
+        # as a blank, which it is elsewhere, it would join two lines of an old Macintosh's file in
+        # silence
         code = LONE_RETURN.sub(bytes([LONE]), code)
     return code if code.endswith(b"\n") else code + b"\n", spelled, within
 
@@ -79,6 +84,7 @@ def _blank(comment: re.Match[bytes]) -> bytes:
 
 def _only_slash(block: re.Match[bytes]) -> bytes:
     """A block without what is skipped of it."""
+    # the slash stays: by it the lexer knows that the block is skipped
     return block[1] + b" " * (block.end() - block.end(1))
 
 

@@ -16,6 +16,7 @@ def count_increments(b: Batch) -> None:
     own = b.dialect.counts
     least = {x: own or b.setup.least_increment.get(b.measured(x), 1e-4) for x in b.rows}
     places = {x: -round(np.log10(size)) for x, size in least.items()}
+    # I J K and R may lie along any of the slides: where these differ the coarsest counts
     linear = min((places[x] for x in b.rows if x in LINEAR), default=4)
     if b.polar:
         places |= {"Y": places["C"], "C": places["C"]}
@@ -25,4 +26,4 @@ def count_increments(b: Batch) -> None:
         place = words_of(b, letter)
         place = place[~w.pointed[place]]
         more = inch[w.block[place]] & (letter not in b.rows or b.measured(letter) in LINEAR)
-        w.decimals[place] = by_letter.get(letter, linear) + more
+        w.decimals[place] = by_letter.get(letter, linear) + more  # the lexer's copy for this batch

@@ -45,10 +45,11 @@ REASONS = (
 )  # fmt: skip
 REASON = {why: number for number, why in enumerate(REASONS, 1)}
 COMMA = re.compile(rb"(?<=[0-9]),(?=[0-9])")
+# the block number has no letter: 12 L X+10
 HEAD = re.compile(rb"[ \t]*(/[ \t]*)?(?:[0-9]+(?=[ \t\r*;]|\Z)[ \t]*)?")
 WORD = re.compile(rb"Q[LRS]?[0-9]+[ \t]*=|[A-Z]+|\*")
 PRESET = re.compile(rb"Q339[ \t]*=[ \t]*[+]?[ \t]*[0-9]+[ \t\r]*\Z")
-SIDE = re.compile(rb"[ \t]R(?:([0LR])(?![A-Z0-9.+-])|(?=[ \t\r]|\Z))")
+SIDE = re.compile(rb"[ \t]R(?:([0LR])(?![A-Z0-9.+-])|(?=[ \t\r]|\Z))")  # with a number: a radius
 FAST = re.compile(rb"(?<![A-Z])F[ \t]*MAX\b")
 FEED = re.compile(rb"(?<![A-Z])F[ \t]*(?:AUTO\b|[+-]?Q[LR]?[0-9]+)")
 # A word whose question was passed over (TNC 151 to 355 print it so): R alone is in _side.
@@ -77,6 +78,7 @@ DWELLS = re.compile(
 )
 PATTERNS = (220, 221)
 MOVES_AT_ONCE = (224, 238, 239)
+# A mirror has letters of axes and no value: it ends where its line has none.
 TURNS = {8: "", 10: "0", 11: "1", 19: "0", 26: "1"}  # a value that turns, scales, mirrors nothing
 TURNED = {19: codes.TILTED}
 CYLINDERS = (27, 28, 29, 39)
@@ -98,12 +100,16 @@ JOIN_DATA = re.compile(
 )
 LEAVES = b"G40G30" + bytes(BARE + AXES.index(x) for x in "XY")  # beside PE by the tool's radius
 LEAVES_Z = LEAVES + bytes([BARE + AXES.index("Z")])
+# without C, which begins an arc
 PARAXIALS = (b"X", b"Y", b"Z", b"A", b"B", b"U", b"V", b"W")
 Z_ALONE = bytes([BARE + AXES.index("Z")])
 
 
 def respelled(code: bytes) -> bytes:
     """A text without comments, byte for byte as long, as words that the lexer reads."""
+    #   12 L X+10 IY-5 RL FMAX M3        The statement's own bytes are room for codes: what is read
+    #      G0X+10 y -5G41      M3        anew is never longer than what stood there, for offsets
+    #   y: RELATIVE of Y                 into it are offsets into the program.
     return b"\n".join([_line(line) for line in pointed(code).split(b"\n")])
 
 
@@ -261,6 +267,7 @@ def _cycle(text: bytes) -> bytes:
         call = CALLED.match(text)
         if call is None:
             return _macro(text, EXPAND_PATH)
+        # G79 is a code of the dialect's own for the call, as G200 and G207 are for definitions
         # what it does refusals.py asks; where it leaves the tool axis only the control knows
         return (b"G79G30" + Z_ALONE).ljust(call.end()) + _words(text[call.end() :])[0]
     number, part, rest = int(match[1]), match[2], text[match.end() :]
@@ -274,6 +281,7 @@ def _cycle(text: bytes) -> bytes:
         return _macro(text, why)
     if number in TURNS and part not in (None, b"0") and rest.strip():
         return _turned(text, number, rest)
+    # part 0 (CYCL DEF 1.0 PECKING) names the cycle, further ones are its values
     if number in ACT_AT_ONCE or part not in (None, b"0"):
         return _blank(text)
     return (b"G207" if number in STAY else b"G200").ljust(len(text))

@@ -41,12 +41,14 @@ THREE_ENDS, THREE = np.full(3, END, np.uint8), np.zeros(3, np.int64)
 POWERS = 10 ** np.arange(LONGEST_NUMBER + 1)
 # Eight digits in a word of eight bytes: pairs are joined, then fours, then all. Shift by their
 # count.
+# 2561 = 10 * 2**8 + 1: the byte above a digit gets ten times that digit and its own, and likewise
+# 100 * 2**16 + 1 and 10000 * 2**32 + 1 for pairs and fours. The first digit lies lowest.
 LOW_NIBBLES, PAIRS, FOURS = map(
     np.uint64, (0x0F0F0F0F0F0F0F0F, 0x00FF00FF00FF00FF, 0x0000FFFF0000FFFF)
 )
 TENS, HUNDREDS, MYRIADS = map(np.uint64, (2561, 6553601, 42949672960001))
 EIGHT, SIXTEEN, THIRTY_TWO = map(np.uint64, (8, 16, 32))
-SHIFT = (8 * (8 - np.arange(9)) % 64).astype(np.uint64)
+SHIFT = (8 * (8 - np.arange(9)) % 64).astype(np.uint64)  # by 64 is not defined
 BELOW = np.array([256**k - 1 for k in range(9)], np.uint64)  # the first characters of eight
 NEEDS_NUMBER = np.ones(256, bool)
 NEEDS_NUMBER[list(NUMBERLESS)] = False
@@ -159,12 +161,14 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     code, spelled, within = without_comments(text, grammar, drop)
     if len(code) > SHORT:
         return _read(text, code, spelled, within, grammar)[0]
+    # the length of the text: `code` has a newline at its end, whether the text has one or not
     shapes, key = grammar.shapes, (code.translate(NO_DIGITS), len(text), spelled)
     shape = shapes.pop(key, None)
     if isinstance(shape, Shape):
         shapes[key] = shape  # it is the last one that was asked for
         return shape.of(text, code, within)
     words, begin, whole, negative = _read(text, code, spelled, within, grammar)
+    # words from the first fault or "%" on were cut off, but not from `begin` and `whole`
     if words.fault is None and words.tape < 0:
         while len(shapes) >= MOST_SHAPES:
             del shapes[next(iter(shapes))]
@@ -189,6 +193,9 @@ def _read(
     if len(offset) < len(kind):  # ten times as fast as taking them there
         kind = np.frombuffer(code.translate(classes, BLANKS), dtype=np.uint8)
         byte = np.frombuffer(code.translate(None, BLANKS), dtype=np.uint8)
+    #   code    N 1 0 X - 4 . 5 Y 2 \n    The word X: its letter at 3, its number from 4, its digits
+    #   offset  0 1 2 3 4 5 6 7 8 9 10    from 5 (begin), the point at 6, the next mark at 8 (stop):
+    #   mark    ^     ^ ^   ^   ^   ^     whole 6 - 5, decimals 8 - 6 - 1, mantissa -45
     mark = (kind != DIGIT).nonzero()[0]
     # Three marks of padding, so that "the mark after the next" exists.
     mark_kind = np.concatenate([kind[mark], THREE_ENDS])
@@ -296,6 +303,9 @@ def _mantissa(
     # Eight bytes from every place on, as one integer each: the first digit lies lowest.
     eight = np.ndarray(len(byte), EIGHT_BYTES, byte.tobytes() + bytes(8), strides=(1,))
     digits = whole + decimals
+    # of 12.5X        text             1 2 . 5 X
+    #                 text & before    1 2            before the point, and behind
+    #                 text >> 8            5 X        it, one byte nearer: 125
     before = BELOW.take(whole, mode="clip")  # without a point these are all that count
     text = eight[begin]  # `take` would write them all out first
     value = _digits((text & before) | ((text >> EIGHT) & ~before), digits)
@@ -341,6 +351,7 @@ def _first_fault(
     none)."""
     faults: list[tuple[int, int, str, str]] = []  # offset, block, message, advice
     tape = -1
+    # the first that is no "%"; the limit is for files that hold nothing else
     for i in (~used[:-3]).nonzero()[0][:2000]:
         offset, number = int(at[mark[i]]), int(block_of_mark[i])
         if mark_kind[i] == PERCENT:

@@ -27,10 +27,16 @@ def decimal_cells(
     value (T,) int64. Always with a decimal point, never with a plus sign; minus zero does not
     occur. `room`: columns kept free at the left.
     """
+    #   cells of four characters, decimals 3    0    4    8    12      begin  end
+    #   12345.678                               ....|0012|345.|6780      6     15
+    #   -0.015                                  ....|0000|0-0.|0150      9     15
+    # The point lies at one place for all, so that columns of cells are filled without a look at
+    # single numbers; zeros before `begin` and behind `end` are not copied.
     size = np.abs(value)
     whole = size // POWERS[decimals]
     part = size - whole * POWERS[decimals]
     most = len(str(whole.max(initial=0)))
+    # of the digits before the point three share a cell with it
     left, behind = max(-(-(most - 3) // 4), 0), -(-decimals // 4)
     middle = -(-(room + 1) // 4) + left  # the column with the point
     cell = np.zeros((len(value), middle + 1 + behind), np.uint32)
@@ -39,6 +45,7 @@ def decimal_cells(
     _fill(cell, range(middle - 1, middle - 1 - left, -1), high)
     _fill(cell, range(middle + behind, middle, -1), part * POWERS[4 * behind - decimals])
     begin = np.empty(len(value), np.int64)
+    # at the digit before the point, and one to the left for each further one
     begin.fill(4 * middle + 2)
     for k in range(1, most):
         begin -= whole >= POWERS[k]
@@ -77,6 +84,7 @@ def steps(unit: np.ndarray, decimals: np.ndarray) -> np.ndarray:
 def counts(ticks: np.ndarray, unit: np.ndarray, decimals: np.ndarray) -> np.ndarray:
     """(K,) whole numbers of 10**-decimals units, nearest, half to even."""
     per = steps(unit, decimals)
+    # `//` goes down below 0 too, so that the rest is never negative
     low = ticks // per
     rest = 2 * (ticks - low * per)
     counts: np.ndarray = low + (rest + (low & 1) > per)  # an odd number turns a half up

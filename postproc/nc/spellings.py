@@ -28,6 +28,10 @@ from postproc.nc.grammar import (
 from postproc.nc.grammar import BARE as ALONE
 
 NUMBER = rb"[ \t]*[+-]?[ \t]*(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
+#   G1 X=IC(5) CR=7.5 Y=AC(-3)
+#   G1 r    5  R  7.5 a    -3      r and a: one byte each, RELATIVE of X and ABSOLUTE of Y
+#
+# Not behind a letter, a digit or a bracket: the X of MAX=5 and of AX[X]=5 is no axis word.
 ASSIGNED = expression(
     rb"(?<![A-Za-z0-9_$\].])([A-Za-z])[ \t]*=(?:[ \t]*(IC|AC|DC|ACP|ACN)[ \t]*\(("
     + NUMBER
@@ -67,6 +71,8 @@ def _assignments(code: bytes, grammar: Grammar) -> bytes:
 # Whole: one spelling after the other, each where the grammar has it.
 def respelled(code: bytes, grammar: Grammar) -> bytes:
     """The text with every other spelling brought to letter and number, byte for byte as long."""
+    # One after the other, from whole lines down to letters: what a line runs or leaves out
+    # (statements, checksums, remarks, macros) is gone before single words are looked at.
     # the letters that stand for spellings are none of the program's own
     code = code if code.isascii() else code.translate(REPLACED)
     if grammar.klartext:
@@ -201,6 +207,7 @@ def _assigned(match: re.Match[bytes]) -> bytes:
     how = (match[2] or b"").upper()
     if how and letter.decode() in AXES:
         letter = bytes([(RELATIVE if how == b"IC" else ABSOLUTE) + AXES.index(letter.decode())])
+    # AC() of no axis (S=AC(5)) stays as it stands, and is refused as text
     elif how:
         return match[0]
     begin, stop = match.span(3) if how else match.span(5)
