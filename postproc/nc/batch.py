@@ -195,7 +195,7 @@ class Batch:
             digit, largest = _last_digit(scale.item())
             per, most = (table.take(decimals, mode="clip") for table in (digit, largest))
         else:
-            per = scale // POWERS[np.minimum(decimals, 9)]
+            per = scale // POWERS[np.minimum(decimals, 9)]  # beyond nine: below, one by one
             most = LARGEST_WORD // np.maximum(per, 1)
         far, fine = np.abs(mantissa) > most, decimals > EXACT
         for word in place[far & ~fine] if any_of(far) else ():
@@ -207,6 +207,8 @@ class Batch:
             )
         value: np.ndarray = mantissa * per
         for i in fine.nonzero()[0] if any_of(fine) else ():
+            # a tick has no whole share in such a digit: Python's numbers of any size, half a tick
+            # goes up
             over = 10 ** int(decimals[i])
             unit = int(scale.ravel()[0] if scale.size == 1 else scale[i])
             value[i] = (2 * int(mantissa[i]) * unit + over) // (2 * over)
@@ -249,7 +251,7 @@ class Batch:
         if len(bad):
             raise self._no_code(place[bad[0]])
         block = w.block[place]
-        was = number
+        was = number  # before G80 becomes the code that holds behind it
         for g in (np.bincount(group[group >= 0], minlength=len(self.dialect.groups))).nonzero()[0]:
             name, of = self.dialect.groups[g], group == g
             if name == "motion":

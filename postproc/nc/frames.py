@@ -56,6 +56,7 @@ EXPAND = "--expand writes the program out in plain coordinates"
 def event(b: Batch, axis_words: AxisWords) -> None:
     """Let the first block of a segment change the shifts, if it does; sets b.frame and
     b.offsets."""
+    # only the first block can hold such a code, for it begins a segment (Interpreter._segments)
     first_codes = {int(column[0]) for column in b.given.values()}
     first_codes |= {number for number in b.single if begins_with(b, number)}
     for number, does in b.dialect.frame_codes.items() if first_codes else ():
@@ -123,7 +124,7 @@ def _set(b: Batch, axis_words: AxisWords, word: str) -> None:
     for letter, (value, is_inc) in values.items():
         row = b.rows[letter]
         if is_inc:
-            preset[row] = int(frame.preset[row] - value)
+            preset[row] = int(frame.preset[row] - value)  # G92 U5: the coordinate grows by 5
             continue
         preset[row] = int(b.state.position[row] - value - others[row])
         if not b.state.known[row]:
@@ -131,16 +132,12 @@ def _set(b: Batch, axis_words: AxisWords, word: str) -> None:
     reason = None
     if missing:
         reason = (
-            (
-                f"{word} gives {', '.join(missing)} a new zero where the machine stands, and that"
-                " is not known"
-            ),
-            (
-                f"say where it stands before the program, mm, radius, machine coordinates: --start"
-                f" {','.join(x + '0' for x in missing)}"
-                if not all(x in b.setup.start for x in missing)
-                else LOST
-            ),
+            f"{word} gives {', '.join(missing)} a new zero where the machine stands, and that"
+            " is not known",
+            f"say where it stands before the program, mm, radius, machine coordinates: --start"
+            f" {','.join(x + '0' for x in missing)}"
+            if not all(x in b.setup.start for x in missing)
+            else LOST,
         )
     b.frame = with_known(
         replace(frame, preset=changed(frame.preset, preset), preset_on=True), "preset", reason
@@ -239,17 +236,18 @@ def _work_offset(
     incremental = b.dialect.extended_by_p and at_first(b, "distance") == 910
     for letter, (value, is_inc) in values.items():
         row = b.rows[letter]
+        # position = work + shift + coordinate, solved for the work offset
         if by_place:
             if not b.state.known[row]:
                 reason = (f"G10 L20 sets {name} from where {letter} stands, and that is not known",
                           f"say where it stands: --start {letter}0")  # fmt: skip
             value = int(b.state.position[row]) - value - int(b.frame.shift[row])
-        elif incremental or is_inc:
+        elif incremental or is_inc:  # Fanuc: under G91 the words are added
             value = value + round(place.get(letter, 0.0) * TICKS_PER_MM)
         place[letter] = value / TICKS_PER_MM
     if by_place:
         note_presets(b, axis_words, values)
-    if old is None and (set(values) < set(b.setup.axes) & set("XYZ") or incremental):
+    if old is None and (set(values) < set(b.setup.axes) & set("XYZ") or incremental):  # the rest
         reason = ask_for(b, name, "work")
     b.offsets = {**b.offsets, **dict.fromkeys((name, *also), place)}
     b.frame = with_known(b.frame, f"data {name}", reason)

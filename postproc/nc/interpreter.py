@@ -81,6 +81,7 @@ class Interpreter(Control):
     def initial(self) -> ModalState:
         """The state before the first block."""
         setup = self.setup
+        # ten times the number of a code: G90, G21, G94, and G90.1 or G91.1
         modal = dict.fromkeys(self.dialect.groups, NONE)
         modal.update({"plane": self.dialect.plane, "distance": 900, "units": 210, "feed mode": 940})
         modal["arc centre"] = 901 if setup.arc_centre == "absolute" else 911
@@ -106,11 +107,12 @@ class Interpreter(Control):
     def run(self, words: Words, state: ModalState) -> tuple[Motions, ModalState, list[Notice]]:
         """Motions of a batch. Raises BlockFault for the first block that can not be followed;
         nothing is changed then."""
+        # a line like one before, in the same modes: what hangs on its places alone is worked out
         key = self.plans.key(words, state)
         if key is not None and (plan := self.plans.get(key)) is not None:
             return plan.of(words, state)
         cuts, coded = self._segments(words, state)
-        if len(cuts) <= 2:
+        if len(cuts) <= 2:  # one segment
             b = Batch(self, words, state, coded)
             found = follow(b)
             return found if key is None else self.plans.remember(key, b, found)
@@ -134,6 +136,7 @@ class Interpreter(Control):
         coordinates begins one; and the codes that were read for it, if any were."""
         if state.ended:
             return [0, words.blocks], None
+        # Most lines of a stream have no G: a look at the letters as bytes is the whole price of it.
         place: np.ndarray = NO_WORDS
         letters_there = words.letter.tobytes()
         if b"G" in letters_there or KEYWORD_LETTER in letters_there:
@@ -148,6 +151,9 @@ class Interpreter(Control):
             tools = words.block[coded & (words.letter == ord("M"))].tolist()
         if letters:
             tools += words.block[np.isin(words.letter, letters)].tolist()
+        # A segment begins with a block whose code or letter (H, D, T, E of some controls) changes a
+        # shift, or switches the tool point. Behind an engraving one ends: where its text stops is
+        # not known, so that the next block must begin from a state of its own.
         number = written_codes(words, place)
         begins = words.block[
             place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]
@@ -159,6 +165,10 @@ class Interpreter(Control):
 def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     """In the order of a control: letters, codes, what they take away from the motion, then
     positions and arcs."""
+    # First what letters mean in this segment, then the codes, and from these which words are no
+    # targets (taken), which motions are not followed (foreign) and why (reason): places are worked
+    # out of what is left. Batch.blame keeps the first reason of a block, so the order of steps is
+    # also that of what is said.
     drop_arguments(b)
     check_letters(b)
     b.read_codes()
@@ -167,13 +177,13 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     if b.dialect.grammar.homing:
         b.read_homing()
     if b.integers == "least increments":
-        count_increments(b)
+        count_increments(b)  # before any word is turned into ticks
     axis_words = _axis_words(b)
     single_codes(b, axis_words)
     if b.n:
         frames.event(b, axis_words)
     refused_groups(b)
-    offset_columns(b)
+    offset_columns(b)  # behind what moves zeros
     face.settle_zero(b)
     refuse_tips(b)
     refuse_planes(b, axis_words)
@@ -249,6 +259,7 @@ def single_codes(b: Batch, axis_words: AxisWords) -> None:
     frame, G4 waits."""
     for number, block in b.single.items():
         code = b.dialect.by_number[number]
+        # G28 X0: a place on the way, not where the block ends
         if code.takes:
             b.taken[block] = True
             if not code.refuses and not code.does:
@@ -282,6 +293,7 @@ def _feeds(b: Batch) -> tuple[np.ndarray, np.ndarray]:
     and `b.feed_words`."""
     place = b.once("F")
     if "F" in b.dialect.dwell and 40 in b.single:  # there F is the time of a dwell
+        # (Sinumerik, Heidenhain's DIN/ISO): as a feed it would hold for all that follows
         place = place[~np.isin(b.words.block[place], b.single[40])]
     feed, word = np.empty(b.n), np.empty(b.n, np.int64)
     word.fill(-1)
@@ -320,6 +332,8 @@ def columns(
         code[b.foreign[block]] = FOREIGN
     inverse = spread(at(b.held("feed mode"), block), len(block)) == INVERSE
     if any_of(inverse):
+        # F under G93 is 1 / minutes of its own block: one that holds from before says no time of
+        # this one
         slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
         if chr(UNKNOWN_FEED) in b.places:
             unknown = inverse & np.isin(block, b.words.block[b.places[chr(UNKNOWN_FEED)]])
@@ -333,6 +347,7 @@ def columns(
             "G93 and no F in the block",
             "inverse time needs an F word in every block that feeds",
         )
+    # G53, and rapids from where an engraving has ended
     alone = (b.machine | b.as_written)[block]
     circle = Circle(
         block=block, code=code, plane=spread(at(b.held("plane"), block), len(block)),
@@ -341,47 +356,22 @@ def columns(
     arcs = arcs_of(b, places, circle, centre_words)
     whole, lead = thread_columns(b, block, code, motion, feed[block])
     length = np.empty((len(b.rows), len(block)), np.int64)
-    length[:] = b.frame.length[:, None]
+    length[:] = b.frame.length[:, None]  # one throughout: what changes it begins a segment
     holes = holes_of(b, b.cycle, block, places.start)
     motions = Motions(
-        block=block,
-        code=code,
-        start=places.start,
-        target=places.target,
-        start_known=places.start_known,
-        target_known=places.target_known,
-        word=places.word,
-        incremental=places.incremental,
-        grid=places.grid,
-        scale=places.scale,
-        origin=places.origin,
-        places=places.least,
-        alone=alone,
-        inverse=inverse,
-        feed=feed[block],
-        feed_word=feed_word[block],
-        code_word=b.code_word[block],
-        reason=b.reason[block],
-        renamed=renamed,
-        arcs=arcs,
-        reasons=b.reasons,
-        holes=holes,
-        presets=b.presets,
-        **beside_columns(b, block),
-        length=length,
+        block=block, code=code, start=places.start, target=places.target,
+        start_known=places.start_known, target_known=places.target_known, word=places.word,
+        incremental=places.incremental, grid=places.grid, scale=places.scale, origin=places.origin,
+        places=places.least, alone=alone, inverse=inverse, feed=feed[block],
+        feed_word=feed_word[block], code_word=b.code_word[block], reason=b.reason[block],
+        renamed=renamed, arcs=arcs, reasons=b.reasons, holes=holes, presets=b.presets,
+        **beside_columns(b, block), length=length,
         relative=spread(at(b.held("distance"), block), len(block)) == RELATIVE_WORDS,
-        sent=places.sent,
-        changed=places.changed,
-        stop=stop_column(b, block),
-        whole=whole,
-        lead=lead,
-        spaced=spaced_column(b, block, code),
-        space=spread(int(b.frame.space is not None), len(block)),
-        spaces=[None, b.frame.space],
-        heat=NO_HEAT,
-        spells=no_spells(),
-        alike=None,
-    )
+        sent=places.sent, changed=places.changed, stop=stop_column(b, block), whole=whole,
+        lead=lead, spaced=spaced_column(b, block, code),
+        space=spread(int(b.frame.space is not None), len(block)), spaces=[None, b.frame.space],
+        heat=NO_HEAT, spells=no_spells(), alike=None,
+    )  # fmt: skip
     return refuse_beside(b, motions)
 
 

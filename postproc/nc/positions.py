@@ -114,7 +114,7 @@ class _Axes:
         if keep is not None and np.count_nonzero(keep) < len(keep):
             self.place, self.axis, self.by = self.place[keep], self.axis[keep], self.by[keep]
         self._read_distances()
-        self.at = self.axis * self.n + self.by
+        self.at = self.axis * self.n + self.by  # of (A, B), flat
 
     def _words(self, letter: str, absolute: np.ndarray, increment: np.ndarray) -> np.ndarray:
         """(k,) the words of one axis, in order."""
@@ -125,9 +125,8 @@ class _Axes:
         if len(both):
             raise b.fault(
                 increment[w.block[increment] == both[0]][0],
-                f"{letter} and its increment in one block",
-                "keep one of them",
-            )
+                f"{letter} and its increment in one block", "keep one of them",
+            )  # fmt: skip
         return np.sort(np.concatenate([absolute, increment]))
 
     def _read_distances(self) -> None:
@@ -186,6 +185,9 @@ class _Axes:
         self.named = np.zeros(shape, bool)
         self.named.ravel()[self.at] = ~self.is_inc
         self.due = self._due() if b.dialect.increments_travel_shifts else None
+        #   block      X10  U5   -  X20  U1     Held is the place less the distances up to its word,
+        #   run          0   5   5    5   6     `base` 10 . . 15 .: sums of whole ticks are the same
+        #   position    10  15  15   20  21     however the text is cut.
         at, set_to, run = self._read_values()
         if len(at) == self.named.size and b.cycle is None:  # every block says each: nothing is held
             self.position = set_to.reshape(shape)
@@ -273,7 +275,7 @@ class _Axes:
                 b, letter, self.position[row], self.named[row], drop
             )
             _since(p, row, away, block, sent)
-        elif sent:
+        elif sent:  # before this batch
             _since(p, row, away, block, True)
         if letter in b.changed or self.changed[row]:
             drop = drop | self._changed(letter, row, p, away, block)

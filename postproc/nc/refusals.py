@@ -49,6 +49,7 @@ def _drop(b: Batch, numbers: Sequence[int], letters: list[str]) -> None:
     place = b.places.get("G")
     if place is None or not numbers or not letters:
         return
+    # before the codes are read (Batch.read_codes): what is dropped must be seen by nothing else
     number = b.words.mantissa[place] * 10 // 10 ** np.minimum(b.words.decimals[place], 6)
     calls = b.words.block[place[np.isin(number, numbers)]]
     if not len(calls):
@@ -71,6 +72,7 @@ def _letter(written: str) -> str:
         or code - ABSOLUTE in CENTRES
     ):
         return ""
+    # the second half of the byte is the place in AXES: 0x90 is X=IC(), 0xC0 X=AC(), of X both
     if code >= RELATIVE:
         return AXES[code - (ABSOLUTE if code >= ABSOLUTE else RELATIVE)]
     return written
@@ -82,6 +84,8 @@ AXES_OF_ANY = "ABCUVWXYZ"
 def check_letters(b: Batch) -> None:
     """Refuse letters that mean nothing to the dialect or name an axis that the machine has not."""
     for written in (x for x in b.places if x not in b.control.letters):
+        # An unknown letter stops every program, also on a machine without errors: it may name an
+        # axis, and nothing could be said of where the tool is.
         letter, place = _letter(written), b.places[written]
         if not letter or letter in b.control.letters:
             continue
@@ -152,6 +156,7 @@ def refused_groups(b: Batch) -> None:
             column = b.given[group]
             for number in sorted(set(column[column != NONE].tolist())):
                 code = b.dialect.by_number[int(number)]
+                # G92 X0: its words are coordinates of the place where it stands, no target
                 if code.takes:
                     # G43.1 with a motion code in its block shifts by its words and then moves by
                     # them.
@@ -210,6 +215,7 @@ def macros(b: Batch) -> None:
     place = b.places.get(chr(MACRO))
     if place is None:
         return
+    # the number of the word, from 1, says which sentence; without a number only the places are lost
     block = b.words.block[place]
     b.loses[block] = b.taken[block] = True
     number = np.where(b.words.number[place] < b.words.stop[place], b.words.mantissa[place], 0)
@@ -233,6 +239,8 @@ def cycle_calls(b: Batch) -> None:
     block = b.single.get(CYCLE_CALL)
     if block is None or not b.dialect.grammar.klartext:
         return
+    # CYCL DEF becomes a modal code (G200, or G207 of what stays), so that a call knows what it
+    # calls
     tapped = spread(b.held("defined cycle"), b.n)[block] == TAPPING
     for i in block[~tapped]:
         b.foreign[i] = True
@@ -265,6 +273,7 @@ def _called(b: Batch, number: int) -> str:
 def refuse_motions(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
     """Motions whose code can not be followed, or that have none. motion (B,): the code in force."""
     if "motion" not in b.given:
+        # no code named here, and the one that holds can be followed: there is nothing to look for
         number = b.state.codes.get("motion", NONE)
         if number not in (NONE, 800) and not b.dialect.is_refused[number]:
             return
@@ -277,6 +286,8 @@ def refuse_motions(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
         b.reason[refused & (motion == number)] = b.because(
             f"{code.word} ({code.meaning})", code.refuses
         )
+    # A control that is known to begin in a motion has it as Dialect.motion; of the others it is not
+    # known whether they would go in rapid or at a feed.
     bare = moving & ~b.foreign & ~refused & ((motion == NONE) | (motion == 800))
     b.blame(
         bare.nonzero()[0],
@@ -298,6 +309,8 @@ def unnamed_motions(b: Batch, moving: np.ndarray) -> None:
 
 def single_commands(b: Batch) -> None:
     """Firmware that obeys one command a line would pass over the second one."""
+    # Refused on every machine, not only where it is corrected: what the output says would not be
+    # done.
     commands = np.sort(np.concatenate([words_of(b, x) for x in "GMT"]))
     block = b.words.block[commands]
     twice = (block[1:] == block[:-1]).nonzero()[0]
@@ -371,6 +384,7 @@ def _refuse_numbers(b: Batch) -> None:
     others the slide moves by it; the text does not say which."""
     block = b.words.block
     number = np.isin(np.arange(len(block)), words_of(b, "N"))
+    # two words but for N, one of them a T: with more in the block it is a motion
     pair = np.bincount(block[~number], minlength=b.n) == 2
     pair &= np.bincount(block[b.places["T"]], minlength=b.n) == 1
     for letter in (x for x in b.dialect.increments if x in b.places):
