@@ -22,6 +22,14 @@ from postproc.nc.queries import tell, word_column, words_of
 from postproc.nc.state import Cycle, InCycle
 from postproc.records import replace
 
+#   initial  ---.            .---  where the axis stood before the cycle; G98 goes back to it
+#               : rapid      ^
+#   level R  ---:------------.---  holes begin here; G99 goes back to it
+#               v feed       |
+#   bottom   ---'------------'---  the word Z (or that of the axis across the plane)
+#
+# In G90 R and Z count from the work offset's zero; in G91 R counts from the initial level and Z
+# from R.
 NONE = np.zeros(0, np.int64)
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
 PLANES = {letter: code for code, letter in ACROSS.items()}
@@ -82,6 +90,7 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
         return None
     row = b.rows[letter]
     taps = b.dialect.there_and_back[np.maximum(motion, 0)[mask]].any()
+    # a new series begins: what G98 goes back to is where its axis stands now
     if cycle is None or cycle.letter != letter or taps:
         initial, known = int(b.state.position[row]), bool(b.state.known[row])
         cycle, begins = Cycle(letter, initial=initial, known=known), True
@@ -94,6 +103,7 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
     level_word = b.once("R")
     level_word = level_word[mask[b.words.block[level_word]]]
     drills = mask & b.has_axis & ~b.taken
+    # R alone in a block drills at the place where the tool stands
     drills[b.words.block[level_word]] = True
     if not of_lathe:  # its code says the axis
         turned = drills & (planes != PLANES[letter])
@@ -129,6 +139,9 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
     _blame(b, holes, has_level, has_bottom, level, bottom, letter)
     flush = higher = None
     if cycle.known and not of_lathe:
+        # R names the very level where the axis stood. In G98 it goes back to that as written, which
+        # is another place than R once R is corrected (4.3 um were left of it on a map with lost
+        # motion).
         even = named & absolute & (cycle.initial == level)
         initial |= back & even
         if b.dialect.returns_no_lower:
@@ -138,6 +151,8 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
             flush = even[holes]
     own = word_column(b, level_word)
     first = int(np.argmax(mask))
+    # A hole in G91 of a cycle that began in G90 is refused, or the other way round. How it began is
+    # kept in Cycle.absolute, for the answer must not hang on where the input was cut.
     begun = None if absolute[first] and _called(b, first) else cycle.absolute
     if begun is None and len(holes):
         begun = bool(absolute[holes[0]])
@@ -175,6 +190,7 @@ def _there_and_back(
     word = word_column(b, place)
     holes = (mask & b.has_axis & ~b.taken).nonzero()[0]
     goes_on = b.state.cycle is not None and not _called(b, int(np.argmax(mask)))
+    # the next block of the series goes along the same axis, whatever plane holds by then
     led = mask[-1] and (goes_on or len(holes) > 0)  # else the next words say its axis
     after = Cycle(letter, initial=cycle.initial, known=cycle.known) if led else None
     level = np.full(b.n, cycle.initial, np.int64)
@@ -246,6 +262,8 @@ def _repeats(b: Batch, mask: np.ndarray, drills: np.ndarray, stored: str, aside:
         count, block = b.numbers(place), b.words.block[place]
         drills[block[count == 0]] = False
         before |= dict.fromkeys(block[count == 0].tolist(), letter)
+        # The tool does not go to that place: taken as reached, a block of the way to it was put in
+        # front of the next hole.
         goes = block[(count == 0) & np.isin(block, aside)]
         b.foreign[goes] = True
         b.blame(goes, f"{letter}0 beside a place stores words without drilling", _way_out(b))
@@ -296,6 +314,8 @@ def holes_of(b: Batch, cycle: InCycle | None, block: np.ndarray, start: np.ndarr
     motion, code = np.searchsorted(block, cycle.blocks), cycle.code
     no = np.zeros(len(motion), bool)
     flush = no if cycle.flush is None else cycle.flush
+    # R may be written lower only together with the tool that stands at it. Behind holes that ended
+    # at a lower R the tool does not, and R came out as that lower one.
     away = flush & (start[cycle.row, motion] != cycle.level)  # it stands at another R
     flush = flush & ~away
     back = np.broadcast_to(b.held("return"), b.n)[cycle.blocks] != 990

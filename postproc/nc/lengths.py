@@ -54,6 +54,7 @@ def set_tool(
     radius = number_of(b, "R")
     if not values and b.dialect.extended_by_p and radius is not None and line in (10, 11):
         values = {"Z": (round(radius * unit_at_first(b)), False)} if "Z" in b.rows else {}
+    # what the block does not name of the tool stays as it was stated
     place = dict(stated_tool(b, "H", p) or {})
     if radius is not None:  # LinuxCNC: of the tool
         place["R"] = radius * unit_at_first(b) / TICKS_PER_MM
@@ -246,6 +247,8 @@ def length_by(b: Batch, axis_words: AxisWords, letter: str, number: int) -> None
             f"the tool length {name} is not stated",
             f"say it in mm: --offset {name}=Z0, or --offsets FILE with the control's tool table",
         )
+    # Where the slides stand does not change by it, only the zero of the next words does; of that
+    # zero `zeros` keeps what the next increment may travel (positions.py, _due_of).
     before, length = b.frame.length, ticks_of(b.setup, place or {}) + _delta(b)
     zeros = b.frame.zeros
     if b.frame.space is not None:  # increments of the tool tip do not travel it

@@ -34,6 +34,7 @@ def _columns(b: Batch, units: Any) -> Measures:
         half, measured = b.halves(letter), b.measured(letter)
         least = places_of(b.setup.least_increment.get(measured, 1e-4))
         unit, increment = b.unit_scale(letter)
+        # where a least increment is 0.001 mm it is 0.0001 inch: one decimal more
         more = (units == 200) if measured in LINEAR else 0
         each.append((unit // half, increment // half, least + more))
     n = max((np.size(value) for row in each for value in row), default=1)

@@ -55,6 +55,8 @@ def lose(b: Batch, letters: str) -> None:
 
 def tool_in_use(b: Batch) -> int:
     """The tool in the spindle behind the batch: the last T when M6 came, -1 before any."""
+    #   block    T1 M6  T2  M6  T3     M6 brings the last T that is named before it or in its block;
+    #   spindle    1     1   2   2     a T behind it makes the next tool ready.
     place, change = b.places.get("T"), b.places.get("M")
     b.next_tool = b.state.next_tool if place is None else int(b.words.mantissa[place[-1]])
     if change is None:

@@ -93,6 +93,7 @@ class Shifted:
 
     def enter(self, start: np.ndarray, block: Block) -> None:
         """The first block: from where the tool stands to beside its end."""
+        # with a way in of at most the radius the centre could not come from there to beside the end
         c, p = self._in_plane(start), self._in_plane(block.end)
         if hypot(p[0] - c[0], p[1] - c[1]) <= self.radius:
             raise Gouge(
@@ -115,6 +116,8 @@ class Shifted:
     def leave(self, block: Block) -> None:
         """The first block behind G40: to its end, whether it names both axes of the plane or not.
         Raises Gouge: what waits must reach its own end (convert_cutter_compensation_off)."""
+        # What waits has no next block to say otherwise: it ends beside its own end, and the way out
+        # begins there.
         self._move_end(self.current)
         self.nose = (0.0, 0.0)
         self._enqueue(block, self._in_plane(block.end), (0.0, 0.0))
@@ -123,6 +126,7 @@ class Shifted:
     def flush(self) -> None:
         """What stands in the queue is sure now."""
         for way in self.queue:
+            # now only: the end of the way before may have been moved
             way.start = self.at
             if way.centre is not None:
                 way.sweep = self._sweep(way)
@@ -136,6 +140,8 @@ class Shifted:
         """Note a straight way that runs against its block: LinuxCNC does not refuse it, but it cuts
         where nobody meant to."""
         first, second = self.plane
+        # direction is the block's own way, not of length 1, and so is what the product is compared
+        # with
         way_back = way.direction[0] * (way.end[first] - way.start[first]) + way.direction[1] * (
             way.end[second] - way.start[second]
         )
@@ -159,6 +165,9 @@ class Shifted:
         if p == op:
             self._enqueue(block, c, (0.0, 0.0))
             return
+        # theta: from the corner op to the centre c beside it, at right angles to the way before;
+        # alpha: the heading of this block. Straight on theta is alpha + side * 90 degrees, and beta
+        # is 0.
         theta, alpha = atan2(c[1] - op[1], c[0] - op[0]), atan2(p[1] - op[1], p[0] - op[0])
         beta = self.side * (theta - alpha) % (2 * pi) - pi / 2
         gamma = self.side * pi / 2
@@ -191,6 +200,9 @@ class Shifted:
         op = self.programmed
         c = self.current
         if front is None or front.centre is None:
+            # The shifted lines cross `back` before c, on the way that led there (theta + gamma
+            # leads against it): of the angle pi + beta between the blocks at the corner half has r
+            # / back as its tangent. At a right angle beta is -pi / 2, and back is r.
             half = (beta + pi) / 2
             if half == 0.0:
                 raise Gouge("Zero degree inside corner is invalid for cutter compensation")
@@ -226,6 +238,9 @@ class Shifted:
         assert block.centre is not None
         p, op, c, m = self._in_plane(block.end), self.programmed, self.current, block.centre
         sense = 1 if block.turns > 0 else -1
+        # inside: the tool runs on the side of the arc's centre, and its own arc is the smaller one.
+        # Here theta is the heading before; delta leads from the corner to the arc's centre, and
+        # with delta - sense * 90 degrees the arc sets out.
         inside, radius = sense * self.side > 0, hypot(m[0] - p[0], m[1] - p[1])
         theta = atan2(c[1] - op[1], c[0] - op[0]) - self.side * pi / 2
         delta = atan2(m[1] - op[1], m[0] - op[0])
@@ -234,7 +249,7 @@ class Shifted:
         if inside and radius <= self.radius:
             raise Gouge("Tool radius not less than arc radius with comp")
         gamma = atan2(m[1] - p[1], m[0] - p[0]) + (0.0 if inside else pi)
-        end = self._beside(p, gamma)
+        end = self._beside(p, gamma)  # on the radius through the arc's end
         if beta < -CORNER or beta > pi + CORNER or (abs(beta - pi) < CORNER and not inside):
             front = self.queue[0] if self.queue else None
             met = (
@@ -258,6 +273,9 @@ class Shifted:
         """Where a straight way before and an arc meet."""
         assert block.centre is not None
         sense, r = 1 if block.turns > 0 else -1, self.radius
+        # Inside: seen from the arc's centre the line before passes `away` towards the tool's side
+        # and its shifted one `across`. On the circle of the tool's centre, of radius `distance`,
+        # that is the sine of the angle from the line's heading. Outside all is turned round.
         away = radius * sin(beta - pi / 2)
         across, distance = (away + r, radius - r) if inside else (away - r, radius + r)
         if distance == 0.0 or not -1.0 <= across / distance <= 1.0:
@@ -295,6 +313,7 @@ class Shifted:
 
     def _around(self, block: Block, corner: Point, end: Point) -> None:
         """An arc around an outside corner; a rapid cuts it."""
+        # along the tool the arc around the corner stays where the block before ends
         height = replace(block, end=self.queue[-1].end if self.queue else self.at)
         if block.rapid:
             self._enqueue(height, end, (0.0, 0.0))
@@ -315,6 +334,7 @@ class Shifted:
         target[list(self.plane)] = end
         way = Way(block.owner, self.at, target, self.plane, centre, turns, direction, block.rapid)
         if block.centre is not None:
+            # what the contour's arc turns: the centre's may turn by LONGER more (_check_arc)
             way.programmed = abs(
                 _sweep(self.programmed, self._in_plane(block.end), block.centre, block.turns)
             )
@@ -368,6 +388,7 @@ def _sweep(start: Point, end: Point, centre: Point, turns: int) -> float:
     )
     sense = 1 if turns > 0 else -1
     turn = sense * turn % (2 * pi)
+    # an end at the start is a full circle, never nothing
     if turn < 1e-9:
         turn = 2 * pi
     return sense * (turn + 2 * pi * (abs(turns) - 1))

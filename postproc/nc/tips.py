@@ -146,6 +146,7 @@ def transformed(
         return face.transformed(kinematics, position, known, frames)
     if (old is None or old.space is None) and new.space is None:
         return position, known
+    # X Y Z alone are told anew: rotary axes have the same places in every space
     row = list(kinematics.linear) if kinematics is not None else []
     if (
         kinematics is None
@@ -171,6 +172,9 @@ def refuse_tips(b: Batch) -> None:
     kinematics = b.setup.kinematics
     if b.frame.space is None or b.frame.face is not None or kinematics is None:
         return
+    # A zero of a table beside that of the machine, C of G54 at 30 degrees: under "call" the frame
+    # is that of the table as it stands, whatever its zero; under "zero" it would have to be known
+    # which of the two zeros is meant.
     work = work_columns(b)
     shifted = [x for x in kinematics.carrying if (work[b.rows[x]] + b.frame.shift[b.rows[x]]).any()]
     frame = kinematics.frame or b.dialect.tip_frame

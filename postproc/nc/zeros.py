@@ -45,6 +45,7 @@ class Zero:
 
 def _work_out(b: Batch) -> None:
     """The same for any batch."""
+    # what `work_columns` finds not stated it writes into `reason` itself: the last block tells
     before = int(b.reason[-1]) if b.n else 0
     b.offset = work_columns(b) + b.frame.shift[:, None]
     b.zero_known = not b.frame.unknown and not (b.n and b.reason[-1] != before)
@@ -55,6 +56,9 @@ def _work_out(b: Batch) -> None:
 def offset_columns(b: Batch) -> None:
     """`offset` (A, B) or (A, 1) ticks: where the zero of absolute words lies; unknown parts become
     reasons."""
+    # Line by line the zero is mostly that of the line before: it is worked out again only where the
+    # frame, the offsets, the code or the tool is another one. A zero with a reason is not kept, for
+    # reasons are numbered in their own batch.
     work, tools = b.held("work offset"), b.dialect.tool_offsets and "T" in b.places
     if tools or not isinstance(work, int):
         _work_out(b)
@@ -101,6 +105,7 @@ def work_columns(b: Batch) -> np.ndarray:
     if tool_place is None:
         work_columns: np.ndarray = total + offset_of(b, b.tool, True)
         return work_columns
+    # of a lathe: T0101 holds from its own block to the next T
     edges = [0, *b.words.block[tool_place].tolist(), b.n]
     names = [b.tool] + [tool_named(b, int(p)) for p in tool_place]
     for name, first, stop in zip(names, edges[:-1], edges[1:], strict=True):
@@ -247,6 +252,7 @@ def note_presets(b: Batch, axis_words: AxisWords, letters: Iterable[str]) -> Non
         rows.append(b.rows[letter])
         words.append(int(place[0]))
         scales.append(int(unit))
+        # decimals of a least increment: 1 mm over 0.001 mm is 3
         places.append(round(float(np.log10(unit / grid))))
     row, word, scale, least = (np.array(c, np.int64) for c in (rows, words, scales, places))
     b.presets = Presets(np.zeros(len(rows), np.int64), row, word, scale, least, _sent(b, rows))
