@@ -17,6 +17,8 @@ def codes_after_motion(b: Writing) -> None:
     named = (w.letter == ord("M")).nonzero()[0]
     if not len(named):
         return
+    #   G1 X9 M5, cut at X3    G1 X3      M5 acts when the block's motion is done: at its place it
+    #                          X9 M5      would stop the spindle at X3.
     cut = np.zeros(w.blocks, bool)
     cut[m.block[b.p.motion[b.several]]] = True
     late = np.isin(w.mantissa[named], codes.AFTER_MOTION) & (w.decimals[named] == 0)

@@ -54,6 +54,7 @@ def arcs_of(
     for letter in "IJKR":
         word[letter] = word_column(batch, centre_words.get(letter))[circle.block[arc]]
     first, second = np.full(n, -1), np.full(n, -1)
+    # unit (n,): ticks of one unit, 1 mm or 1 inch, for I J K R are never diameters
     centre_word, grid, unit = np.full((3, n), -1), np.ones((2, n), np.int64), np.ones(n, np.int64)
     for plane, (a, b, i, j) in planes(batch).items():
         of = (circle.plane[arc] == plane).nonzero()[0]
@@ -147,6 +148,9 @@ def arcs_of(
     # By ticks, not by the angle: an end that equals the start to the last digit makes a full
     # circle, one that is a rounding away from it an arc of next to nothing, or of nearly a turn.
     same = (start == end).all(axis=0)
+    # arctan2 leaves it within a turn either way: a whole turn is added where the sign is not that
+    # of the code, so that it is above 0 and up to 2 pi counter-clockwise, likewise below 0
+    # clockwise.
     sweep = np.where(
         counter,
         np.where(sweep <= 0, sweep + 2 * np.pi, sweep),
@@ -238,6 +242,7 @@ def _turns(batch: Batch, circle: Circle, arc: np.ndarray, sweep: np.ndarray) -> 
             f"an arc of {turns[many[0]]:g} turns (limit {MOST_TURNS})",
             "write the turns in several blocks",
         )
+    # P2 of a control that counts from 1 is one turn more than the way to the end
     result: np.ndarray = sweep + np.sign(sweep) * np.maximum(turns - least, 0.0) * 2 * np.pi
     return result
 

@@ -21,6 +21,9 @@ def motion_codes(b: Writing) -> None:
     first_code, last_code = p.code, p.code
     if len(p) > len(m):
         first_code, last_code = p.code.take(b.begin), p.code.compress(b.final)
+    #   program   G3 X.. Y.. I..         X.. Y.. I..       An arc that is written as chords ends in
+    #   output    G1 X.. Y..  X.. Y..    G3 X.. Y.. I..    G1: the block behind it, which names no
+    #                                                      code, must say G3 again.
     before = np.empty(len(m), np.int64)
     before[0], before[1:] = b.state.code, last_code[:-1]
     before[before == FOREIGN] = -1  # what it leaves in force is the program's own affair
@@ -86,6 +89,7 @@ def axis_words(b: Writing) -> None:
     first, starts, ends = b.begin, p.start, p.end
     if len(p) > len(m):
         starts, ends = starts.take(first, axis=1), ends.take(first, axis=1)
+    # an absolute word follows the end of its motion, a distance the start too
     suspect, named = ends != m.target, m.word >= NOUGHT
     if any_of(m.incremental):
         suspect |= m.incremental & (starts != m.start)

@@ -28,6 +28,11 @@ LEFT, DYNAMIC = (410, 411), (411, 421)
 # Where the point that the control drives lies from the centre of the nose, in radii along Z and X
 # (G18), by the number of the tool's orientation. LinuxCNC: interp_queue.cc, latheorigin_z and
 # latheorigin_x; Fanuc: imaginary tool nose.
+#   X            The point in radii from the centre o, for each number of Fanuc: for 3, the tip of
+#   |  2  6  1   a tool that turns an outside towards the chuck, one radius down X and one towards
+#   |  7  o  5   the chuck, (-1, -1). In LinuxCNC's numbers X points down.
+#   |  3  8  4
+#   +--------Z
 FANUC_NOSE = {
     1: (1, 1), 2: (-1, 1), 3: (-1, -1), 4: (1, -1), 5: (1, 0), 6: (0, 1), 7: (-1, 0), 8: (0, -1),
 }  # fmt: skip
@@ -55,6 +60,9 @@ def beside_columns(b: Batch, block: np.ndarray) -> dict[str, np.ndarray]:
     before = np.concatenate([[b.state.beside.on], on[:-1]])
     radius, nose = _tools(b)
     b.beside = replace(b.beside, on=bool(on[-1]) if n else b.state.beside.on)
+    #   block     X..    G41 X..  X..     X..     G40 X..  X..    Of the blocks that move the first
+    #   on        0      1        1       1       0        0      under G41 and the first behind G40
+    #   cutter    FREE   ENTRY    OFFSET  OFFSET  ENTRY    FREE   lead beside the contour and back.
     cutter = np.where(on != before[:n], ENTRY, np.where(on, OFFSET, FREE)).astype(np.int8)
     plane = np.full((2, n), -1)
     if cutter.any():
@@ -96,6 +104,7 @@ def _tools(b: Batch) -> tuple[np.ndarray, np.ndarray]:
         edges.append(block)
         seen.append(state)
     b.beside = state
+    # what holds from one change to the next, spread over the blocks between
     count = np.diff([*edges, b.n])
     radius = np.repeat([s.radius for s in seen], count)
     return radius, np.repeat(np.array([s.nose for s in seen], float).T, count, axis=1)

@@ -43,6 +43,7 @@ def follow_both(before: Contours, motions: Motions, pieces: Pieces) -> Contours:
     c = copy.deepcopy(before)
     first = np.searchsorted(pieces.motion, np.arange(len(motions) + 1))
     for i in inside.tolist():
+        # Way in and way out are both ENTRY; behind G40 there is no radius.
         leaves = motions.cutter[i] == ENTRY and not motions.radius[i]
         if motions.cutter[i] == ENTRY and not leaves:
             c = Contours(follower(motions, i), follower(motions, i))
@@ -55,6 +56,7 @@ def follow_both(before: Contours, motions: Motions, pieces: Pieces) -> Contours:
             c = Contours()
             continue
         try:
+            # the corrected contour has a block for each piece
             for k in range(int(first[i]), int(first[i + 1])):
                 _step(corrected, motions, i, pieces.start[:, k], _block(motions, pieces, k))
         except Gouge as gouge:
@@ -88,5 +90,6 @@ def _block(motions: Motions, pieces: Pieces, k: int) -> Block:
         first, second = ((pieces.start[rows, k] + pieces.centre[:, k]) / TICKS_PER_MM).tolist()
         sweep = float(arcs.sweep[arc] * pieces.share[k])
         block.centre = (first, second)
+        # a piece of next to no sweep is still less than a turn, which is 1
         block.turns = int(np.sign(sweep)) * max(ceil(abs(sweep) / (2 * pi) - 1e-9), 1)
     return block

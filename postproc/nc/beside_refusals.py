@@ -33,6 +33,8 @@ def refuse_beside(b: Batch, motions: Motions) -> Motions:
     followed = before.on or before.fault or b.beside.on or "cutter" in b.given
     if not (followed or np.count_nonzero(motions.cutter)) or not by_tool(b):
         return motions
+    # A contour is followed only up to the first code that is refused: which of the two comes first
+    # must not hang on where the input was cut.
     found = [(-1, before.fault)] if before.fault else [*_codes(b), *_motions(b, motions)]
     first = min(found)[0] if found else b.n
     if gouge := _gouge(b, motions, first):
@@ -102,6 +104,7 @@ def _motions(b: Batch, motions: Motions) -> list[tuple[int, str]]:
 def _gouge(b: Batch, motions: Motions, end: int) -> tuple[int, str] | None:
     """Where the tool does not fit, of the blocks before `end`. Follows the centre from batch to
     batch."""
+    # the state before the batch may be asked again, and must not know of it
     shifted = copy.deepcopy(b.state.beside.shifted)
     for i in np.flatnonzero((motions.cutter != FREE) & (motions.block < end)).tolist():
         try:
@@ -123,6 +126,7 @@ def _followed(shifted: Shifted | None, motions: Motions, i: int) -> Shifted | No
     elif shifted is not None:
         shifted.follow(block)
     if shifted is not None:
+        # ways that are sure by now are of no use here
         shifted.done.clear()
     return shifted
 
@@ -153,5 +157,6 @@ def block_of(motions: Motions, i: int, owner: int) -> Block:
     if k < len(motions.arcs) and motions.arcs.motion[k] == i:
         sweep = float(motions.arcs.sweep[k])
         block.centre = float(motions.arcs.centre[0, k]), float(motions.arcs.centre[1, k])
+        # 2 for more than a turn; the last part takes off what rounding adds to a full one
         block.turns = int(np.sign(sweep)) * ceil(abs(sweep) / (2 * pi) - 1e-9)
     return block

@@ -116,6 +116,7 @@ def _line(line: bytes, state: Numbering) -> tuple[bytes, Numbering]:
     """One line without its end."""
     body = line.partition(b";")[0].rstrip(BLANK)
     tail = line[len(body) :]
+    # a remark is not part of the sum, and its own "*12" is none
     mark = LAST_MARK.search(body)
     code = body[: mark.start()] if mark else body
     number = NUMBER.match(code)

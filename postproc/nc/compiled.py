@@ -42,6 +42,7 @@ def spliced(
     """The text with all edits made. in_order: what makes one list of many, or of one that is not in
     order, which the kernel does not."""
     lists = [*map(_complete, lists)]
+    # at most: the whole text, all new text, and a number behind each edit
     room = len(text) + sum(int(edits[4].sum()) + LONGEST * len(edits[0]) for edits in lists)
     out = np.empty(room, np.uint8)
     written = _written(library, text, pool, lists, out)

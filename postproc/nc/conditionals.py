@@ -46,6 +46,10 @@ def conditionals(b: Batch) -> None:
 def _held_by(line: bytes, held: int) -> int:
     """The indentation of the condition in which a line stands, NONE for none. held: of the line
     before."""
+    #   if x < 5        0     held NONE -> 0
+    #     G1 X5         2     deeper than 0: inside
+    #   else            0     goes on the same condition: held stays 0
+    #   G1 X0           0     the condition has ended
     indent = len(line) - len(line.lstrip())
     flow = bool(FLOW.match(line))
     if held != NONE and indent <= held and not (flow and indent == held):
@@ -55,6 +59,7 @@ def _held_by(line: bytes, held: int) -> int:
 
 def _judge(b: Batch, inside: np.ndarray) -> None:
     moved = inside & b.has_axis & ~b.taken
+    # a modal code inside would hold behind it too, but only where the condition was true
     for column in b.given.values():
         moved |= inside & (column != NONE)
     for block in b.single.values():

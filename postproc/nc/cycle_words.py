@@ -25,6 +25,8 @@ def hole_words(b: Writing) -> None:
         row, motion, word = int(holes.axis[k]), int(holes.motion[k]), int(holes.word[k])
         if holes.level_word[k] >= 0:
             _level_word(b, int(k), int(p.start[row, piece[k]]))
+        # In G91 the word is a distance from R, and R one from the level where the axis stands: that
+        # level lies beside its place by the correction of the motion before, and R with it.
         beside = (
             int(p.start[row, piece[k]] - m.start[row, motion]) if m.incremental[row, motion] else 0
         )
@@ -69,6 +71,8 @@ def preset_words(splice: Splice, w: Words, m: Motions, shift: np.ndarray) -> Non
     t = m.presets
     for k in range(len(t)):
         at = t.axis[k], min(int(t.motion[k]), shift.shape[1] - 1)
+        # G92 X0 where the machine stands 5 um beside X0: written as 0.005, so that the zero comes
+        # to lie where the program means it.
         ticks, word = int(shift[at]), int(t.word[k])
         if not ticks or t.sent[k]:
             continue

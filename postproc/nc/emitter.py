@@ -45,6 +45,8 @@ class Emitter:
                 newline=b"\r\n" if words.text[first - 1 : first] == b"\r" and first > 0 else b"\n",
             )
         if not len(motions):
+            # not nan: a feed of the output's own is in force, which an F without a motion takes
+            # back
             if state.feed == state.feed and states_feed(words):
                 state = replace(state, feed=float("nan"))
             if not len(motions.presets) or not any(state.shift):
@@ -78,6 +80,9 @@ class Emitter:
         )  # fmt: skip
         touched = b.touched.nonzero()[0]
         if len(touched) and not state.marked and self.marker:
+            # The marker tells a second pass that the program is corrected already (docs/DESIGN.md,
+            # "A header in every output"): before the first block that changed, at the begin of its
+            # line.
             at = b.w.text.rfind(b"\n", 0, int(b.w.block_start[b.m.block[touched[0]]])) + 1
             b.splice.texts([at], [at], [-1], [self.marker.encode() + (b.state.newline or b"\n")])
             state = replace(state, marked=True)

@@ -37,6 +37,7 @@ def as_motion(b: Batch, motion: np.ndarray) -> np.ndarray:
                 "an engraving within a canned cycle",
                 "write G80 before it",
             )
+            # a code of its own block only: what is in force stays for the blocks behind
             motion = motion.copy()
             motion[block] = number
             place = b.places["G"]
@@ -92,6 +93,8 @@ def _place_of_text(
     def one(x: float, kind: type = np.int64) -> np.ndarray:
         return np.array([x], kind)
 
+    # As a hole: the tool goes to X Y of the first letter, down to Z, and up to R behind the last
+    # one.
     return InCycle(
         letter=letter, row=row, mask=mask, blocks=block, target=one(level), bottom=one(value["Z"]),
         level=one(level), zero=one(zero), word=own["Z"][:1], initial=one(False, bool),
@@ -121,6 +124,8 @@ def loose_axes(
     loose = b.state.loose
     if not loose:
         return ()
+    # Of each axis: the first block that says its place anew. Up to the last of these every motion
+    # begins beside where the words have it; rapids pass as written, for they are no cut.
     absolute = (np.broadcast_to(b.held("distance"), b.n) != 910) | b.machine
     named = {x: np.zeros(b.n, bool) for x in loose}
     counted = np.zeros(b.n, bool)

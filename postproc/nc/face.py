@@ -33,6 +33,10 @@ from postproc.records import replace
 from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 
+#     second (Y or C)    From the call on the words are x, y of a face that turns with C. The
+#      ^    o (x, y)     control makes of them X = hypot(x, y) and C = where it stood at the call
+#      |  .'             + atan2(y, x) (postproc/machine/face.py): the part turns until (x, y) lies
+#      |.'_______> X     under the tool.
 FACE = "face"  # the part of a frame's unknowns
 PLANES = {170: ("X", "Y", "I", "J"), 180: ("Z", "X", "K", "I"), 190: ("Y", "Z", "J", "K")}
 ON_FACE = ("X", "C", "I", "J")
@@ -51,6 +55,7 @@ def letter_in(b: Batch) -> str:
         return ""
     group = b.dialect.polar_group
     given = b.given.get(group)
+    # the code of the first block, for one that begins or ends it begins a segment
     number = NONE if given is None or not b.n else int(given[0])
     number = b.state.codes.get(group, NONE) if number == NONE else number
     return b.dialect.polar if b.dialect.frame_codes.get(number) == "polar on" else ""
@@ -90,6 +95,7 @@ def polar_on(b: Batch, axis_words: AxisWords, word: str) -> None:
     if reason is None:
         x, c = kinematics.face
         shift = _zero(b, x)
+        # X of the slide is a hypot from here on, never on C's line or beyond it
         if b.state.position[x] <= shift:
             reason = (
                 f"{word} while the tool does not stand outside of C's line",
@@ -205,6 +211,7 @@ def settle_zero(b: Batch) -> None:
     if face is not None and FACE not in b.frame.unknown:
         moved = np.broadcast_to(b.offset[x] != round(face.shift * TICKS_PER_MM), b.n)
         _blame(b, np.flatnonzero(moved), "a new zero of X in polar interpolation")
+    # the zero of X is in the space already (shift), and C's is where it stands at the call
     b.offset = b.offset.copy()
     b.offset[[x, c]] = 0
 
@@ -218,6 +225,7 @@ def refuse_faces(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
     for letter in strange:
         block = b.words.block[b.places[letter]]
         block = block[~b.taken[block]]
+        # counted as a motion, for only a motion carries a reason
         moving[block] = True
         _blame(b, block, f"{letter} in polar interpolation")
     if b.polar == "C":

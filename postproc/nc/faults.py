@@ -95,6 +95,8 @@ def advice_at(code: bytes, offset: int) -> str:
     line = line_at(code, offset)
     here = offset - (code.rfind(b"\n", 0, offset) + 1)
     around = line[max(0, here - 12) : here + 13]
+    # from what is surely meant to what is only likely: a comma before R is a corner whatever else
+    # stands in the line, and an O for a zero is thought of last
     corner = CORNER.match(line, here)
     if corner:
         return ADVICE_CORNER if corner[1] in b"RCrc" else ADVICE_NO_CORNER
@@ -174,6 +176,7 @@ def what(text: bytes, code: bytes, offset: int, slash: bool, in_number: bool) ->
         return f"{character!r} does not belong to a number here", advice_at(code, offset)
     if character == "=" and (named := ORIENTATION.fullmatch(line_until(code, offset))):
         return ORIENTATIONS.get(named[1], ANGLES)
+    # comments are blanked by now: a bracket that is left belongs to a call, or was never closed
     if character == "(" and code[offset - 1 : offset].isalnum() and ARGUMENTS.match(code, offset):
         return f"{character!r} is not part of a plain NC block", ADVICE_EXPRESSION
     if character == "(":

@@ -36,6 +36,8 @@ def kept_feeds(b: Writing) -> float:
     special = _special(b, rows)
     if not any_of(special) and stands != stands:
         return stands
+    # `stands`: the F that the output has in force beside the program's, nan while it is the
+    # program's own (nan is what differs from itself).
     ratio = _ratios(b, rows, special)
     first = b.first.nonzero()[0]
     takes = (m.code != RAPID) & (m.code != THREAD) & ~m.inverse & (m.feed > 0)
@@ -47,6 +49,7 @@ def kept_feeds(b: Writing) -> float:
         for k in range(int(first[i]), stop if takes[i] else 0):
             wanted = m.feed[i] * ratio[k]
             written = m.feed[i] if stands != stands else stands
+            # a take-up in rapid takes no F
             if p.code[k] == RAPID or abs(wanted - written) <= SAME * wanted:
                 continue
             b.feed(k, np.format_float_positional(wanted, 7, fractional=False, trim="-").encode())
@@ -144,6 +147,7 @@ def _along(
     which of GROUPS that is."""
     linear = rows[0] + rows[1]
     inch = (b.m.scale[linear][:, motion] % TICKS_PER_INCH == 0).any(axis=0)
+    # a degree has as many ticks as a mm, whatever the units are
     unit = np.stack(
         [np.where(inch, TICKS_PER_INCH, TICKS_PER_MM)] * 2 + [np.full(len(motion), TICKS_PER_MM)]
     )

@@ -109,6 +109,7 @@ class Spindle:
         """(K,) turns per minute in blocks (K,); under G96 by the radius (K,) mm at which each
         cuts."""
         number = self.number[block]
+        # m/min over the circumference in m: S200 at 50 mm diameter is 1273 turns a minute
         by_surface = number * 1000.0 / (2 * np.pi * np.maximum(radius, SMALLEST))
         by_surface = np.minimum(by_surface, self.cap[block])
         turning = np.where(self.surface[block], by_surface, number)
@@ -121,6 +122,7 @@ def unit_of_feed(motions: Motions) -> np.ndarray:
     moves = np.where(known, motions.target != motions.start, motions.word >= 0)
     arcs, holes = motions.arcs, motions.holes
     for rows in (arcs.first, arcs.second):
+        # a full circle ends where it begins, and a hole's way down is in no target
         moves[rows, arcs.motion] = True
     moves[holes.axis, holes.motion] = True
     return np.where(((motions.scale > TICKS_PER_MM) & moves).any(axis=0), 25.4, 1.0)
@@ -139,6 +141,7 @@ def spindle(words: Words, dialect: Dialect, before: Spoken) -> tuple[Spindle, Sp
     mode, surface = hold_last(mode, before.mode), hold_last(surface, before.surface)
     speed = np.full(n, np.nan)
     turns = np.flatnonzero(words.letter == ord("S"))
+    # beside G4 S is a time, or a number of turns
     turns = turns[~np.isin(words.block[turns], words.block[place[number == DWELL]])]
     cap = np.full(n, np.nan)
     limits = _limits(words, dialect, number, place, turns)
@@ -226,6 +229,7 @@ def without_a_point(dialect: Dialect, letter: str) -> float:
     name, counts = first_word(dialect), dialect.integers == "least increments"
     if name in POINTED or (name == "okuma" and counts):  # 0.01 s or 0.1 s there
         return float("nan")
+    # P500 of a Haas without a point is milliseconds, P0.5 seconds
     return 1e-3 if name == "haas" or (letter in "XU" and counts) else 1.0
 
 

@@ -42,6 +42,7 @@ def turned(axes: tuple[int, ...], degrees: list[float]) -> np.ndarray:
     has turned."""
     result = np.eye(3)
     for axis, angle in zip(axes, degrees, strict=True):
+        # at the right: the axis is one of the frame so far, not one of the machine
         result = result @ _about(axis, float(np.radians(angle)))
     return result
 
@@ -127,6 +128,7 @@ def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
     if kinematics is None or frame.plane is None or PLANE in frame.unknown:
         return
     known = b.state.known[[b.rows[x] for x in kinematics.rotary]].all()
+    # third column: the plane's normal in the part, which the tool's axis must become
     found = kinematics.aligned(frame.plane.matrix[:, 2], b.state.position / TICKS_PER_MM)
     tilts = b.rows[kinematics.rotary[-1]]
     found = [pose for pose in found if pose[tilts] * sign >= 0] or found
@@ -152,6 +154,8 @@ def turn_to(b: Batch, there: np.ndarray) -> None:
     slides = _slides(b, position)
     position[rotary] = there[rotary]
     position, known_after = slides(position)
+    # The slides stand still, but X Y Z of the plane are others now: a place that no block has
+    # named, as behind G28.
     sent[rotary] = sent[[b.rows[x] for x in "XYZ"]] = True
     before = b.state.sent if b.state.sent is not None else np.zeros(len(b.rows), bool)
     b.state = replace(b.state, position=position, known=known_after, sent=before | sent)

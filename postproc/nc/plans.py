@@ -46,6 +46,8 @@ class Plan:
         """Those of other words, another position and another F. Raises BlockFault for a number
         beyond all places."""
         b, feed = self.b, state.feed
+        # The batch of the plan itself is used again: all that it has worked out but its places
+        # stands.
         b.words, b.state = words, state
         if len(b.feed_words):
             feed = float(b.numbers(b.feed_words)[-1])
@@ -69,6 +71,9 @@ class Plans:
         # is a dwell, and those that must have a point; None: no block that is planned
         self.others: dict[bytes, tuple[np.ndarray, np.ndarray, np.ndarray] | None] = {}
         axes = (*control.rows, *control.increment_rows)
+        #   G1 X10 Y5 F300     Letters GXYF; of these X Y F are free, G counts.
+        #   G1 X12.5 Y6 F250   the same plan
+        #   G0 X12.5 Y6        another one: another number of G, and other letters
         self.free = {ord(x) for x in (*axes, "F", "N")}
         d = control.dialect
         counts = (control.setup.integers or d.integers) == "least increments"

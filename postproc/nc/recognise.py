@@ -47,6 +47,7 @@ class Text:
 
     def __init__(self, text: bytes):
         written = text[:HEAD].decode("latin-1").replace("\r", "")
+        # the last line may be cut in the middle of a word
         if len(text) > HEAD:
             written = written[: written.rfind("\n") + 1]
         written = "\n".join(line[:LONGEST] for line in written.split("\n"))
@@ -107,6 +108,8 @@ def recognise(text: bytes) -> list[tuple[str, list[str]]]:
     found = []
     for name in dialects.names():
         dialect = dialects.load(name)
+        # One point for each sign, one less for each thing that speaks against it: a program that
+        # breaks one rule of its own control is still known by the others.
         evidence = [*_signs(shown, dialect), *_layout(shown, dialect)]
         found.append((len(evidence) - len(list(against(shown, dialect))), name, evidence))
     best = max(score for score, _, _ in found)
@@ -118,6 +121,9 @@ def recognise(text: bytes) -> list[tuple[str, list[str]]]:
     if best <= 0 and not most and not coded:
         return []
     found.sort(key=lambda row: (-row[0], row[1]))
+    # Behind those that fit best the ones that fit less, but only with less evidence than these
+    # have: one with as much, and more against it, would be counted as not to be told apart
+    # (between).
     return winners + [
         (name, evidence)
         for score, name, evidence in found
@@ -165,6 +171,7 @@ def against(shown: Text, dialect: Dialect) -> Iterator[str]:
         if number not in has:
             yield f"it has no {word} (line {shown.line(at, shown.code)})"
     known = {*dialect.m_codes, *dialect.m_refuses}
+    # a machine's builder adds M codes of his own: a few unknown ones say nothing
     strange = [word for number, _, word in shown.codes["M"] if number // 10 not in known]
     if len(strange) > FEW:
         yield f"it knows no {', '.join(strange[:MOST_NAMED])}"

@@ -31,6 +31,8 @@ def away(
     drop = forget.copy()
     away = np.zeros(b.n, bool)
     for number, block_of in sending(b).items():
+        # First every axis that the code takes is lost; one whose reference point is stated comes
+        # back.
         gone = drop.copy()
         _reference(b, number, letter, gone)
         away[block_of] = gone[block_of]

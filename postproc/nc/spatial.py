@@ -26,6 +26,8 @@ KIND = expression(rb"PLANE[ \t]+([A-Z]+)")
 ANGLE = expression(rb"(SP[ABC]|EUL(?:PR|NU|ROT))[ \t]*([-+]?[0-9]*\.?[0-9]+)")
 HOW = expression(rb"[ \t](TURN|MOVE)\b")
 SIGN = expression(rb"\bS(?:EQ|YM)[ \t]*([-+])")
+# Turns about axes that stay, X then Y then Z, are those about axes that turn along in the opposite
+# order: both are the matrix Rz(SPC) Ry(SPB) Rx(SPA).
 NAMES = {b"SPATIAL": (b"SPC", b"SPB", b"SPA"), b"EULER": (b"EULPR", b"EULNU", b"EULROT")}
 ABOUT = {b"SPATIAL": (2, 1, 0), b"EULER": (2, 0, 2)}  # the same turns, about axes that turn along
 LEVEL = 1e-9
@@ -46,6 +48,7 @@ def spatial(b: Batch, axis_words: AxisWords, word: str) -> None:
         reason = ("PLANE defines its plane otherwise than by three angles", OTHER)
         kind, given = b"SPATIAL", dict.fromkeys(NAMES[b"SPATIAL"], 0.0)
     turn = turned(ABOUT[kind], [given[name] for name in NAMES[kind]])
+    # the normal has no part in X and Y, and X is turned: a plane that lies level, turned about Z
     if b"TABLE ROT" in text and np.hypot(*turn[:2, 2]) < LEVEL and turn[0, 0] < 1 - LEVEL:
         reason = (
             "PLANE turns the table in a plane that is not tilted (TABLE ROT)",

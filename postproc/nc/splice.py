@@ -105,6 +105,8 @@ class Splice:
             return spliced(self._library, self.text, b"".join(self._pool), self._edits, _in_order)
         start, stop, _, at, size = _in_order(self._edits)
         source = np.frombuffer(self.text + b"".join(self._pool), np.uint8)
+        #   text    kept | old | kept | old | kept   `source` is the text with the pool of all
+        #   pool    new new                          that is new behind it; runs are copied from it.
         # Alternate: kept text, new text, kept text, ..., kept text.
         n = len(start)
         begin = np.empty(2 * n + 1, np.int64)
@@ -117,6 +119,8 @@ class Splice:
         out = []
         for k in range(0, len(begin), PORTION):
             here, many = begin[k : k + PORTION], length[k : k + PORTION]
+            # runs 7..9 and 2..3: the n-th byte to write comes from n + 7, of the second run from n
+            # + (2 - 3)
             index: np.ndarray = (here - (many.cumsum() - many)).repeat(many)  # of the byte to take
             index += np.arange(len(index))
             out.append(source.take(index).tobytes())

@@ -73,6 +73,7 @@ class Frame:
     @cached_property
     def space(self) -> Space | None:
         """The frame in which X Y Z are places of the tool tip; None: they are the slides'."""
+        # the only one in force: polar interpolation within another one is refused (face.py)
         if self.face is not None:
             return self.face
         if self.tip is not None and self.plane is not None:

@@ -39,6 +39,9 @@ def exact_stops(b: Writing) -> None:
     cut = ((m.stop > 0) & b.several[b.first.nonzero()[0]]).nonzero()[0]
     for i in map(int, cut):
         number = int(m.stop[i])
+        #   G61 G1 X9, cut at X3 and X6     G64 G1 X3   X6   G61 X9
+        #   X9 with G61 in force            G64 X3      X6   G61 X9
+        #   G9 G1 X9                        G1 X3       X6   G9 X9      (acts in its own block only)
         name = b"G%d" % (number // 10) + (b".%d" % (number % 10) if number % 10 else b"")
         space = b" " if b.spaced[i] else b""
         low, high = np.searchsorted(w.block, [m.block[i], m.block[i] + 1])

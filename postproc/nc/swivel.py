@@ -41,6 +41,7 @@ def swivel(b: Batch, axis_words: AxisWords, word: str) -> None:
             turn_to(b, b.state.position)
         return
     mode = int(values[MODE]) or BY_AXIS
+    #   57 = 00 11 10 01    two bits a turn, the first at the right: 1, 2, 3 are X, Y, Z.
     order = tuple((mode >> (2 * k)) % 4 - 1 for k in range(3))
     if mode >> 6 or -1 in order:
         refuse(
@@ -56,6 +57,7 @@ def swivel(b: Batch, axis_words: AxisWords, word: str) -> None:
             "let the CAM program write the whole plane into one call",
         )
         return
+    # a place w of the plane is X0 + R (X1 + w): the second shift counts in the plane
     turn = turned(order, values[ANGLES])
     tilt(b, word, turn, np.array(values[ZERO]) + turn @ np.array(values[SHIFT]), None)
 

@@ -43,7 +43,10 @@ def thread_columns(
         chained &= ~np.isin(at, b.single.get(number, ()))
     chained &= ~names(b, START_ANGLE)[at]
     whole[thread] = ~chained
+    # mm of one unit: a lead is in inches under G20
     per = np.broadcast_to(b.unit_scale("Z")[0], b.n)[at] / TICKS_PER_MM
+    # F holds from before, other letters (K of G33) stand in the block; one that stands there goes
+    # first
     value = np.where("F" in d.thread_words, feed[thread], 0.0)
     for letter in d.thread_words.replace("F", ""):
         place = words_of(b, letter)

@@ -18,6 +18,15 @@ from postproc.nc.splice import Splice
 from postproc.pieces import Pieces
 from postproc.records import record
 
+# Edits at one place stand in the order of their ranks.
+#   in the motion's own block             in a block put in behind, its piece's rank and
+#     1           motion code                0          what it begins with: "/", a code, L
+#     100 + row   axis words                 2          the code of an exact stop
+#     120, 121    centre words               10 + row   axis words
+#     140         bottom of a hole           30, 31     centre words, or R
+#     150         F                          50         F, FMAX, the lead of a thread
+#   0 is what stands there and is            60         M codes that act behind the motion
+#   written anew.                            90         the end of the block
 AFTER, AFTER_END = (
     -(10**12),
     10_000,
@@ -127,6 +136,7 @@ class Writing:
             all_words = np.concatenate([all_words, bottom])
         highest = all_words.max(axis=0)
         some = highest >= 0
+        # of words 12 and 15, and none of a third axis: first 12, last 15
         # Without a sign -1, no word, is the largest number of all; where nothing else is, it stays.
         first = all_words.view(np.uint64).min(axis=0).view(np.int64)
         last = highest
@@ -217,6 +227,9 @@ class Writing:
     @cached_property
     def _ranks(self) -> np.ndarray:
         """(P,) the same of all."""
+        # 1000 from piece to piece of a motion, counted from its first: what is put in behind a
+        # block stands before what the next block, which begins at the same place, has changed of
+        # itself.
         base = np.where(self.w.block_stop[self.m.block] < len(self.w.text), AFTER, AFTER_END)
         ranks: np.ndarray = (base - self.begin * 1000).take(self.p.motion)
         ranks += np.arange(0, len(ranks) * 1000, 1000)
