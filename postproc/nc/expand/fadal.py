@@ -46,6 +46,8 @@ class _Run:
         self._find()
 
     def _find(self) -> None:
+        #   L100 .. M17 L200 .. M17 M30 ..       subroutines from `first` on, the program before and
+        #   first                       behind   `behind` them
         first = -1
         for at, code in enumerate(self.codes):
             routine = ROUTINE.fullmatch(code)

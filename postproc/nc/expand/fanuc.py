@@ -98,11 +98,16 @@ class Runner:
                 self.second += 1
 
     def _lines(self) -> Iterator[Line]:
+        #   O1       frames [O1]           A call puts a program on top; its M99 takes it off, or
+        #   M98 P2   frames [O1, O2]       starts it again while `left` says so. #1 to #33 are its
+        #   G65 P3   frames [O1, O2, O3]   own behind G65, the caller's behind M98.
         first = self.source.sections[0]
         self._enter(Frame(self.source, first, first.start, first.start, 0, {}))
         while not self.ended:
             frame = self.frames[-1]
             source, at, stop = frame.source, frame.at, frame.section.stop
+            # entries that are plain blocks leave in one go; under G66 each may be a motion with a
+            # call behind
             if not self.modal:
                 special = source.special.find(1, at, stop)
                 until = min(stop if special < 0 else special, at + self.most - self.steps)
@@ -194,6 +199,8 @@ class Runner:
             self.variables.forget_units()
         self.ended |= block.ends
         if self.modal and not block.ends and self._moves(words):
+            # the macro runs with one modal call less in force, or its own motions would call it
+            # without end
             modal, force = self.modal[-1], self.modal
             start = modal.section.start
             self._set_modal(force[:-1])

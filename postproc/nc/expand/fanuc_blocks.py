@@ -95,6 +95,7 @@ class Block:
 def bare(raw: bytes, semicolon: str) -> tuple[str, list[int]]:
     """The code of a block without blanks, comments and the end of block, in upper case, and the
     offset of each character."""
+    # blanks for comments, byte for byte, so that `at` leads from the code back into the line
     text = (
         COMMENTS[semicolon].sub(lambda found: b" " * len(found[0]), raw)
         if b"(" in raw or b";" in raw
@@ -219,6 +220,8 @@ class BlockReader:
         try:
             words = self._scan(start)
         except Refusal:
+            # what has nothing to calculate passes as it stands: what is wrong with it the lexer
+            # says
             if calculated or KEYWORD.search(self.code) or (self.haas and "/" in self.code[start:]):
                 raise
             return self._made(Kind.PLAIN, start)

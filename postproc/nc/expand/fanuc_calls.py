@@ -17,6 +17,8 @@ from postproc.nc.expand.fanuc_variables import Variables
 from postproc.nc.expand.fanuc_words import Word
 
 # Argument assignment I: letter to local variable. Of I, J, K further sets follow: assignment II.
+#   I    A #1  B #2  C #3  I #4  J #5  K #6  D #7  E #8  F #9  H #11  M #13  Q #17 .. Z #26
+#   II   A #1  B #2  C #3  I #4  J #5  K #6  I #7  J #8  K #9  I #10 ..              K #33
 ARGUMENTS = {
     **dict(zip("ABC", (1, 2, 3), strict=True)),
     **dict(zip("DEF", (7, 8, 9), strict=True)),
@@ -97,6 +99,8 @@ def arguments(words: list[Word], variables: Variables) -> dict[int, Value | Unkn
     sets, last = 0, "K"
     for word in words:
         if word.letter in "IJK":
+            # a set ends where the letter is not behind the one before: J5 K6 are of one set, J5 I6
+            # of two
             sets, last = sets + (word.letter <= last), word.letter
             if sets > 10:
                 raise Refusal(
@@ -159,6 +163,7 @@ def subprogram(
     """Number of the program that M98 calls, and how often: L, or on a Fanuc the digits before the
     last four of P."""
     number, count = called(words, "P", variables, what, place), times(words, variables)
+    # P51002 runs O1002 five times, unless there is an O51002
     if number > 9999 and not variables.haas and word_of(words, "L") is None and not exists(number):
         count, number = divmod(number, 10000)
     return number, count

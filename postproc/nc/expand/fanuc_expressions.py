@@ -169,6 +169,7 @@ class Reader:
             return first
 
         def work(m: Memory) -> Value:
+            # None, the vacant variable, is 0 in arithmetic
             value = first(m) or 0.0
             for name, right, place in rest:
                 value = computed(name, ARITHMETIC[name], (value, right(m) or 0.0), place)
@@ -182,6 +183,7 @@ class Reader:
             negative ^= self.next == "-"
             self.at += 1
         operand = self._operand()
+        # from 0, so that a 0 does not become the -0.0 that a minus alone would give
         return (lambda m: 0.0 - (operand(m) or 0.0)) if negative else operand
 
     def _operand(self) -> Formula:

@@ -90,6 +90,7 @@ def _cos(degrees: float) -> float:
 
 
 def _bcd(value: float) -> float:
+    # BCD[25] is 37, hexadecimal 25: the digits written in groups of four bits. BIN is the way back.
     number = whole(value, "the argument of BCD")
     if not 0 <= number < 10**8:
         raise ValueError

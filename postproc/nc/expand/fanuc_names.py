@@ -24,6 +24,7 @@ def numbered(program: Program, semicolon: str) -> Program:
         return program
     code = COMMENTS[semicolon].sub(lambda found: _blank(found[0]), program.text)
     heads = list(HEAD.finditer(code))
+    # nothing but the tape mark before it: the name of the main program, which no one calls
     if heads and not code[: heads[0].start()].strip(b" \t\r\n%"):
         heads.pop(0)
     numbers: dict[bytes, bytes] = {}

@@ -187,6 +187,7 @@ class Source:
         places = section.labels.get(label)
         if not places:
             return -1
+        # the first one behind; where none is, the rest of the division is 0, the first of all
         return places[bisect_right(places, behind) % len(places)]
 
     def loops(self, section: Section) -> dict[int, int]:
@@ -289,6 +290,7 @@ def _pair(section: Section, open_: list[tuple[int, int]], i: int, opens: bool, l
             f"WHILE[..]DO{loop} opens the loop, in the same program",
         )
     else:
+        # DO1 DO2 END1 END2: END1 closes DO1 and cuts DO2, so that END2 is left without one
         while open_[-1][1] != loop:
             start, other = open_.pop()
             section.broken[start] = (

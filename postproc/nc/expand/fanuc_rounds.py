@@ -25,6 +25,9 @@ class Rounds:
         Raises Refusal where it has no end."""
         if self._more:
             return
+        # The same entry again, with the same calls open and the same variables: what comes now came
+        # before. Only a clock, an input or a place could make it differ, which are variables of the
+        # system.
         levels = ((id(f.source), f.at, f.left, *sorted(f.local.items())) for f in frames)
         state = (repeated, *levels, *sorted(variables.common.items()))
         site = (id(frames[-1].source), at)

@@ -33,6 +33,8 @@ def parts(raw: bytes, semicolon: str) -> list[bytes]:
     try:
         BlockReader(raw, semicolon, True).block()
     except Refusal:
+        #   G00 X0 Y0 [#1 EQ #2] M99 P5      cut before each statement that follows another; each
+        #   G00 X0 Y0 | [#1 EQ #2] M99 P5    piece gets the block delete of the whole
         code, at = bare(raw, semicolon)
         try:
             starts = _starts(code)

@@ -118,6 +118,10 @@ class Variables:
 
     def read(self, number: int) -> Value:
         """The value of a variable, None: vacant. Raises Refusal where only the machine knows it."""
+        #   1..33     of each call         2000..  tool offsets         5001..  end of last block
+        #   100..199  common               3000..  alarms, clocks       5021..  place, machine
+        #   500..999  common, kept by      4001..  G codes by group     5041..  place, program
+        #             the control          4102..  last B D E F H ..    5201..  work offsets
         if number == 0:
             return None
         if number <= 33:
@@ -173,6 +177,8 @@ class Variables:
             )
         if _value(value) is None:
             raise Refusal(f"#{number} would be vacant", f"write the number: #{number}=0")
+        # #5221 is X of G54, G10 L2 P1; #7001 and #14001 X of G54.1 P1, G10 L20 P1; 20 numbers an
+        # offset
         length = text_of(float(_value(value) or 0.0), self.decimals(axes[0]))
         first = max(n for n in (5201, 7001, 14001) if n <= number)
         place, more = (number - first) // 20, first != 5201

@@ -87,6 +87,7 @@ def written(letter: str, value: float, variables: Variables, pointed: bool) -> s
         return number(value, variables.decimals(letter))
     if letter == "P" and variables.haas and abs(value - round(value)) > 1e-6:
         return number(value, variables.decimals(letter))  # seconds of a dwell
+    # M, T, N, H, D, L: an address that counts
     return str(int(nearest(value)))
 
 
@@ -107,6 +108,7 @@ def rendered(
         else:
             value = word.worth(variables)
             text = None if value is None else _checked(word, value, variables, scales)
+        # a vacant variable takes its letter along: X#1 is as if it were not written
         out.append(raw[at : word.start if text is None else word.number])
         if text is not None:
             out.append(text.encode())

@@ -165,6 +165,8 @@ class _Run:
             part.back.append(part.at)
             part.at = to
         elif part.repeated.get(here, 0) < int(call[3]):
+            # counted by the line of the call: REP 2 goes back twice, so that the section runs three
+            # times, and begins to count anew when an outer one brings it by again
             part.repeated[here] = part.repeated.get(here, 0) + 1
             part.at = to
         else:

@@ -100,6 +100,7 @@ class Formula:
         """Values with operators of this level or a higher one between, from left to right."""
         if level == len(self.levels):
             return self._power()
+        # operators of the levels above bind more and are taken first
         left = self._joined(level + 1)
         while mark := self._next(*self.levels[level]):
             left = OPERATORS[mark](left, self._joined(level + 1))

@@ -120,6 +120,7 @@ class KnownKnots:
                 "let the CAM program write a uniform one, PL alike in each of its blocks",
             )
         inner = np.concatenate([[0.0], np.cumsum(steps)])
+        # degree + 1 equal knots at both ends: the curve begins and ends at the first and last point
         knots = np.concatenate([np.zeros(degree), inner, np.full(degree, inner[-1])])
         curve = Curve(poles, weights, knots, degree + 1)
         spans = curve.spans(self.scene.tolerance, poles.shape[1])
@@ -216,6 +217,12 @@ def intervals(written: list[float | None], degree: int) -> np.ndarray | None:
     """(M,) the intervals between the knots that the values of PL of n blocks say, n + 1 - degree of
     them, as shares of their sum; None: they leave it open."""
     lengths = np.array([np.nan if x is None else x for x in written])
+    #   six blocks, degree 3: four intervals, and six values of PL. Which four they are is not said:
+    #   PL    1   2   3   4   5   6
+    #   runs  |-----------|
+    #             |-----------|
+    #                 |-----------|     as many as the degree; the spline is followed where all of
+    #                                   them that can be one (_jumps) say the same intervals
     count = len(lengths) + 1 - degree
     if count < 1:
         return None
@@ -233,6 +240,8 @@ def _jumps(run: np.ndarray, degree: int) -> bool:
     """Whether a curve with these intervals (M,) would leave an end by a jump, or jump between."""
     if run[0] == 0 or run[-1] == 0:
         return True
+    # n intervals of 0 in a row are n + 1 equal knots: `degree` of these make a corner, one more a
+    # jump
     rows = "".join("0" if x == 0 else "1" for x in run).split("1")
     return max(map(len, rows)) >= degree
 

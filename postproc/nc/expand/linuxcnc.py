@@ -122,6 +122,7 @@ class Run:
         if file.met[at]:
             file.read[at] = found
         file.met[at] = 1
+        # #<_line> counts from the opening "%" on, which is line 1 then
         memory.line = at + 1 - max(self.opening if file is self.main else 0, 0)
         if isinstance(found, Control):
             flow.control(found, Place(found.kind, file, at))

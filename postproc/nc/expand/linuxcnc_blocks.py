@@ -107,6 +107,7 @@ class Block:
     def run(self, memory: Memory) -> Outcome:
         """Evaluate it, and let its assignments hold. Raises Refusal."""
         line, at, pieces = self.line, 0, []
+        #   #1=5 X#1 #2=[#1+1]     X and #2 read the #1 from before the line; 5 holds behind it
         named: list[tuple[str, float]] = []
         numbered: list[tuple[int, float]] = []
         for start, stop, letter, value, target in self.edits:
@@ -140,6 +141,7 @@ class Block:
             memory.set_named(name, value_)
         for index, value_ in numbered:
             memory.numbers[index] = value_
+        # a line of assignments alone leaves nothing, but for a comment that acts: (DEBUG,#1)
         gone = not self.letters and not self.active and (named or numbered)
         return Outcome(None if gone else b"".join(pieces), codes["g"], codes["m"], self.letters)
 

@@ -105,6 +105,7 @@ def compact(line: bytes) -> Code:
 def whole(value: float, what: str) -> int:
     """The whole number that a value is. Raises Refusal where it is more than 0.0001 above one, as
     LinuxCNC does."""
+    # up to 1e-4 below a whole number it is that one, and up to 1e-4 above
     low = math.floor(value)
     if value - low > 1 - WHOLE:
         return low + 1
@@ -125,6 +126,7 @@ def _divide(a: float, b: float) -> float:
 def _modulo(a: float, b: float) -> float:
     if b == 0 or not math.isfinite(a):
         raise Refusal(f"{a:.10g} MOD {b:.10g} does not exist", CORRECT)
+    # never below 0: -7 MOD 3 is 2
     rest = math.fmod(a, b)
     return rest + abs(b) if rest < 0 else rest
 
@@ -278,6 +280,8 @@ class Reader:
     def chain(self, least: int) -> Node:
         """Values and operators of at least this rank between them."""
         start = self.at
+        # Operators of rank `least` and above are taken here, each with what binds more than itself
+        # at its right: 10 - 2 - 3 is 5, and 2 ** 3 ** 2 is 64.
         first, rest = self.value(), []
         while (found := OPERATOR.match(self.text, self.at)) and BINARY[found[0]][0] >= least:
             self.at = found.end()

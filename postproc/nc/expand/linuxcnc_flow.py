@@ -173,6 +173,10 @@ class Flow:
 
     def _branch(self, control: Control, name: str, place: Place) -> None:
         """if, elseif, else, endif."""
+        #   o1 if [..]        true: on, and was_true; else skip to the next line with o1
+        #   o1 elseif [..]    behind a branch that was taken: skip on; else asked like the if
+        #   o1 else           taken where none was
+        #   o1 endif          nothing is skipped any more
         if control.kind == "if":
             self._mark(name, place)
             self.was_true = self._test(control)
@@ -194,6 +198,7 @@ class Flow:
         """do, while, endwhile, repeat, endrepeat, break, continue."""
         kind = control.kind
         known = self.labels.get(name)
+        # o1 while is the end of a loop where an o1 do stands before, else the begin of one
         if kind == "while" and known and known.kind == "do":
             self.skip = None
             if self._test(control) and not self.breaking:
@@ -289,6 +294,7 @@ class Flow:
         nodes = control.values()
         name, back = str(whole(nodes[0](self.memory), "P")), Place("", self.file, self.at)
         if len(nodes) > 1:
+            # -1: the line is met for the first time; behind the last run it is -1 again
             left = self.left[-1]
             if left == -1:
                 left = whole(nodes[1](self.memory), "L")
@@ -325,6 +331,7 @@ class Flow:
         advice = (
             "define it before its call or behind M2, or have its file where gcomp looks (--library)"
         )
+        # not read yet: lines are passed over up to its o-word, in its file or further down this one
         self.skip = short
         self.seek = True
         self.since = (place, Refusal(f"there is no {what} {where}", advice))

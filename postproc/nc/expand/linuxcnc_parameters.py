@@ -28,6 +28,10 @@ from postproc.units import MM_PER_INCH, TICKS_PER_MM
 LAST = 5601  # the largest parameter number
 LOCAL = range(1, 31)  # parameters that every call has its own of
 AXES = "XYZABCUVW"  # in the order of the parameters
+#   1..30      of each call             5211..   G92 and G52, by axis
+#   5061..     found by a probe         5220     number of the work offset in force
+#   5161..     G28.1, by axis           5221..   G54 by axis, R at 5230; 5241.. G55, 20 apart
+#   5181..     G30.1, by axis           5400..   tool, its offsets; 5420.. where it stands
 PROBE, FIRST_REFERENCE, SECOND_REFERENCE = range(5061, 5071), range(5161, 5170), range(5181, 5190)
 PRESET = range(5210, 5220)
 WORK = range(5220, 5391)
@@ -194,6 +198,7 @@ class Memory:
         self.locals.append({})
         if values is None:
             return None
+        # all 30 are set, those that are not handed over to 0
         kept = [self.numbers.get(i, 0.0) for i in LOCAL]
         self.numbers.update(zip(LOCAL, [*values, *[0.0] * (len(LOCAL) - len(values))], strict=True))
         return kept

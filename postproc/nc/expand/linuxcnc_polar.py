@@ -35,6 +35,8 @@ def right_angled(text: bytes, codes: set[int], letters: str, memory: Memory) -> 
         raise Refusal(
             "@ without ^, and the tool stands at the zero of the program", "name the angle"
         )
+    # one that is not written is that of the place where the tool stands; in G91 both are added to
+    # it
     radius = at + (radius or 0.0) if by or radius is None else radius
     angle = to + (angle or 0.0) if by or angle is None else angle
     x, y = radius * math.cos(math.radians(angle)), radius * math.sin(math.radians(angle))

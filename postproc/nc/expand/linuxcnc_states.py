@@ -96,6 +96,9 @@ class States:
         """The level of calls behind a line: the lines that bring back what M73 has kept. Raises
         Refusal."""
         lines: list[bytes] = []
+        #   o1 call    levels [main, None]     a level for each call that runs
+        #   M73        levels [main, kept]     one state at each, the last one that was kept
+        #   o1 endsub  levels [main]           kept by M73: it comes back here
         while len(self.levels) <= depth:
             self.levels.append(None)
         while len(self.levels) > depth + 1:
@@ -182,6 +185,7 @@ class States:
                 f"{word} brings back what {what} has changed, and nothing said before what held",
                 WRITE,
             )
+        # M9 ends both kinds of coolant: it is written first, then those that were on
         self.machine = dict(kept.machine)
         lines = [kept.machine[name] for name in ("speed", "spindle") if name in changed]
         if not {"mist", "flood"} & set(changed):

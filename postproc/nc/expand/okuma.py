@@ -282,6 +282,7 @@ class _Run:
         """A plain block with a number for each expression."""
         text = part.texts[here]
         bare = _bare(text).decode("latin-1")
+        #   X=V1+2 Z=10   ->   X12 Z10     one letter loses its "="; words of two (SB=1200) keep it
         pieces, done = [], 0
         for match in WORD.finditer(bare):
             if match.start() < done:

@@ -93,6 +93,8 @@ class Expression(Formula):
     def _compared(self) -> bool:
         if (empty := self._empty()) is not None:
             return empty
+        # [ may open an expression ([V1+2] GT 3) or conditions ([V1 GT 3] OR ..): read as the first,
+        # and where that fails as the second
         begin = self.at
         try:
             left = self._joined()

@@ -80,6 +80,8 @@ class Resolver:
     def take(self, line: Line) -> list[Line]:
         """The plain lines that stand for this one; [line] itself when nothing in it concerns us.
         Raises ProgramError."""
+        #   line -> corners (before_it) -> cycle, in the coordinates of the program -> frame, which
+        #   turns words into those beneath -> the tracker hears it -> it leaves
         if self.before_it is None or self._over(line) or not self.before_it.wants(line):
             return self._take(line)
         self.line, self.scene.source = line, line.source
@@ -127,6 +129,8 @@ class Resolver:
             file, _, last = self.skip
             if line.file != file or line.source > last:
                 self.skip = None
+        # Nearly every line: no cycle is active, nothing is owed to the next block, and it has no
+        # code of ours. All other lines are cut into blocks and words.
         idle = not (
             self.active
             or self.missing is not None
@@ -221,6 +225,7 @@ class Resolver:
 
     def _overridden(self, codes: list[int], own: int) -> bool:
         """Fanuc: of a cycle and another motion code in one block, the last one holds."""
+        # those behind the last `own` of the block
         later = codes[len(codes) - codes[::-1].index(own) :]
         return self.family.restores and any(c in PLAIN_MOTIONS for c in later)
 
@@ -318,6 +323,8 @@ class Resolver:
         scene.note(block)
         scene.block = block
         turned = self.control is not None and not self.control.frames.map.identity
+        # the frame rounds anew what it makes of the cycle's words: up to there they have more
+        # decimals
         scene.extra_decimals = 4 if turned else 0
         scene.keeps, scene.turned = None if self._turned else self.keeps, self._turned
         form_of(cycle.forms(code), block).check(scene, block, code)
@@ -358,6 +365,8 @@ class Resolver:
             raise self.scene.fault(
                 f"tapping within {self.control.frames.why}", "write the holes in plain coordinates"
             )
+        # the text that stays and the lines that are heard are the same motions: the frame takes
+        # them once
         kept = self.control.snapshot()
         texts = [self.control.take(Block.of(text, self.grammar)) for text in lines]
         self.control.restore(kept)

@@ -126,6 +126,7 @@ class Run:
             frame.step()
             return raw
         key = (frame.source.file, at)
+        # read once, executed as often as control comes by: loops of many passes are quick by it
         statement = self.kept.get(key)
         if statement is None:
             if len(self.kept) >= MOST_KEPT:
@@ -185,6 +186,7 @@ class Run:
         """A program is at its end: again, or back behind the line that called it."""
         frame = self.frames.pop()
         if frame.passes > 1 and frame.new_scope:
+            # the next pass has variables of its own, as if it were called again
             self.frames.append(
                 Frame(
                     frame.source,
@@ -243,6 +245,7 @@ class Run:
             raise Refusal(
                 message, f"correct the call, or the PROC line of {name}", call.start, call.stop
             )
+        # left-out values are those of PROC's "=", or empty
         given = call.values + [None] * len(parameters)
         shared, outer = self.scope, frame.scope
 
@@ -251,6 +254,8 @@ class Run:
             for parameter, entry in zip(parameters, given, strict=False):
                 node = entry.node if entry else parameter.default
                 if parameter.reference and entry:
+                    # VAR: both names are one variable, so that what the subprogram sets the caller
+                    # sees
                     alias = outer.variables.get(entry.name)
                     if alias is None or alias.kind != parameter.kind:
                         message = (
@@ -361,6 +366,7 @@ class Run:
         end."""
         begin = frame.source.partner(frame.at)
         target, _, last = self.counting(frame, begin).parts
+        # refused where it matters whether the end value is worked out once or in every pass
         end = frame.ends.get(begin)
         if end is None or not equal(end, numeric(last(frame.scope))):
             message = (

@@ -93,6 +93,8 @@ class Words(Parser):
             self.into.ends = f"M{int(digits)}"
             if self.into.ends == "M17":
                 shown = found[0].strip(" \t")
+                # M17 of a subprogram is its way back and not written; that of the main program
+                # stays
                 self.piece(found.start(1), found.end(), lambda scope: "" if scope.inner else shown)
         if found[3]:
             self.at = found.start(2)
@@ -184,6 +186,8 @@ class Words(Parser):
                 scope,
             )
 
+        # X=5 passes as it stands; of a longer name only the run knows whether it is an address or a
+        # variable
         if not letter or target.indices or any(e and not e.plain for e in right.entries):
             self.piece(start, stop, execute)
 

@@ -121,6 +121,8 @@ class Boring(Drilling):
         into, out = (number(x, 3).encode() for x in (g["SST"], g.get("SST1") or g["SST"]))
         found = [b"SPOS=" + number(g.get("POSS", 0.0), 3).encode()]
         for deep, back in self._turns(level, bottom, CHIP / unit):
+            # G331 K1 goes down one turn of the spindle for each mm, G332 back on the same helix
+            # with the spindle turned round
             found += [
                 b"G331 " + to(deep) + pitch + into,
                 *self._wait(),
@@ -137,6 +139,8 @@ class Boring(Drilling):
             if depth > step * MOST_STROKES:
                 raise Refusal(f"CYCLE84 takes more than {MOST_STROKES} strokes", "correct DAM")
             back = abs(g.get("VRT", 0.0)) or chip
+            # all turns but the last one, which is at the bottom; the small part keeps a depth that
+            # is a multiple of DAM from one turn more
             for n in range(1, math.ceil(depth / step - 1e-9)):
                 place = g["RFP"] - up * n * step
                 raised = place + up * back

@@ -74,6 +74,8 @@ def elements(tracker: Tracker, lines: list[bytes]) -> list[Element]:
     dialect, axes = tracker.dialect, tracker.setup.axes
     if "X" not in axes or "Z" not in axes:
         raise Refusal("CYCLE95 turns in X and Z", "choose the right --machine")
+    # Without offsets, G500 alone, so that places come in the contour's own coordinates; the modes
+    # are those that hold where the cycle is called (_head).
     setup = Setup(
         axes,
         diameter=tracker.setup.diameter,
@@ -116,6 +118,7 @@ def _shape(motions: Motions, rows: list[int], inch: bool) -> list[Element]:
     mm = 25.4 if inch else 1.0
     if not len(motions.block) or not motions.target_known[rows, 0].all():
         raise Refusal("the contour of CYCLE95 does not begin at a place in X and Z", CHECK)
+    # (N, 2): z and x, a radius whatever the words are
     places = motions.target[rows].T / unit
     arc_of = {int(k): i for i, k in enumerate(motions.arcs.motion)}
     found: list[Element] = []

@@ -234,6 +234,8 @@ def _reached(
 ) -> Iterator[float]:
     """How deep each stroke ends, the hole's depth at last: strokes get shorter by `less`, or by
     `factor` down to `least`. Raises Refusal."""
+    #   40 deep, first 20, DAM 5     20, 15, 5 (the rest)
+    #   40 deep, first 20, DAM -0.5, MDEP 4     20, 10, 5, 4, 1 (the rest)
     reached = stroke = first
     for _ in range(MOST_STROKES):
         yield reached

@@ -80,6 +80,8 @@ class Parser:
 
     def expression(self, least: int = 0) -> Node:
         """An expression with operators of at least this priority."""
+        # operators of `least` and above are taken here, each with a right side of those above its
+        # own: 2 - 3 - 4 is (2 - 3) - 4, and what binds less is left to who has called
         first, rest = self.operand(), []
         while (token := self.next()) and (
             found := BINARY.get((token["mark"] or token["name"] or "").upper())

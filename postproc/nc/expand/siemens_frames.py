@@ -40,6 +40,9 @@ class Frame:
 
     def go(self, at: int, to: int) -> None:
         """Control goes from line `at` to line `to`, or back to the begin of what is repeated."""
+        #   10  ANF: ..      start    REPEAT ANF P2 puts (10, 12, 2, 20) on top: from 12 it goes
+        #   12  ..           stop     to 10 while passes are left, then to 21. A jump out of 10 to
+        #   20  REPEAT ANF   back     12 ends it, and the one around it is asked.
         while self.repeats:
             top = self.repeats[-1]
             if at == top.stop and to == at + 1:

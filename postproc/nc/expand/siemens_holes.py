@@ -77,6 +77,7 @@ class Holes:
         if isinstance(hole, Pattern):
             yield from self._pattern(frame, hole)
             return
+        # MCALL holds in the program that named it, not in subprograms that it calls
         if self.modal and self.modal[0] is frame and own and moves(text):
             hole = self.modal[1]
         if hole:

@@ -100,6 +100,7 @@ class Ways:
     def pieces(self, pieces: list[Piece], at_start: bool = False) -> None:
         """A way that is told counter-clockwise, in the sense that is asked for; at_start: the tool
         stands at its start."""
+        # the same way seen in a mirror along the first axis runs the other way round
         if self.ccw < 0:
 
             def mirror(q: tuple[float, float]) -> tuple[float, float]:

@@ -95,6 +95,7 @@ class Pattern(Cycle):
             "CYCLE801": self._grid,
             "CYCLE802": self._list,
         }[self.name]()
+        # a circle and a list have no second end to begin at
         nearest = (found[0], found[-1]) if self.name in ("HOLES1", "CYCLE801") else found[:1]
         if a is not None and b is not None and nearest[-1] != nearest[0]:
             first, last = (math.dist((a, b), place) for place in nearest)
@@ -128,6 +129,7 @@ class Pattern(Cycle):
         found = []
         for row in range(rows):
             for i in range(columns):
+                # every second row from its far end
                 u = g["DIS1"] * (columns - 1 - i if row % 2 else i)
                 v = g["DIS2"] * row
                 found.append((g["SPCA"] + u * cos - v * sin, g["SPCO"] + u * sin + v * cos))

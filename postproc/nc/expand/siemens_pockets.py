@@ -88,6 +88,8 @@ class _Cut(Ways):
         self.clear, self.fal, self.fald = (p.get(w) for w in ("SDIS", "FAL", "FALD"))
         self.ccw = WITH_M3[int(p.get("CDIR"))] * (self.pocket.sense if p.get("CDIR") < 2 else 1)
         self.way = p.shape().less(self.radius)
+        # the ways of the tool's middle: the wall moved in by the radius, and by what is left for
+        # finishing
         rough = p.shape().less(self.radius + self.fal)
         if min(p.shape().a, p.shape().b) < self.radius + self.fal - NEAR:
             raise Refusal(

@@ -116,6 +116,7 @@ class Cut:
         self.ahead = 1.0 if way > 0 else -1.0  # the way of the cuts
         more = given.get("FAL", 0.0)
         allowance = [given.get("FALZ", 0.0) + more, given.get("FALX", 0.0) + more]
+        # away from the part: to the tool's side of it, and against the way of the cuts
         allowance[deep] *= sense
         allowance[self.along] *= -self.ahead
         self.moved = [e.moved((allowance[0], allowance[1])) for e in shape]
@@ -129,6 +130,12 @@ class Cut:
 
     def rough(self) -> None:
         """All cuts. Raises Refusal."""
+        #   deep ^                              Each cut: in rapid traverse to its level at `begin`,
+        #   outside  b                          at FF1 along to the contour and up along it to the
+        #   before   b----------------.'        level of the cut before, off by _VRT in both axes,
+        #   level    b------------->./          and back in rapid traverse.
+        #            :        __.--'            The contour rises in the way of the cuts, or it is
+        #          begin   contour   along ->   a relief cut (_monotonic).
         self._monotonic()
         feed = f" F{number(self.given['FF1'], 4)}"
         outside = self.top + self.sense * self.off

@@ -115,6 +115,7 @@ class Source:
         lines = self.marks.get(name) or []
         if not lines and number.isdigit() and number.isascii() and len(number) < 19:
             lines = self.marks.get(f"N{int(number)}") or []
+        # GOTO looks ahead first, then back; of several ones with a name the nearest is meant
         before, behind = [i for i in lines if i <= at], [i for i in lines if i > at]
         if jump.kind == "GOTOB":
             behind = []

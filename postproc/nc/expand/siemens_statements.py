@@ -102,6 +102,7 @@ class Statement:
         if self.call or not self.pieces:
             return None if self.call else self.text
         out, at, removed = [], 0, False
+        # pieces come from left to right: an assignment in a line holds for what stands behind it
         for start, stop, piece in self.pieces:
             try:
                 text = piece(scope)
@@ -111,6 +112,7 @@ class Statement:
             at = stop
             if not text:
                 removed = True
+                # the blanks behind what goes go along
                 while at < self.code and self.text[at] in " \t":
                     at += 1
         out.append(self.text[at : self.code])

@@ -56,6 +56,7 @@ class Variable:
                     f"index {i} of {name} is outside 0 to {length - 1}",
                     "correct the index or the DEF",
                 )
+            # last index fastest: of FELD[2,3] element [1,0] is the fourth
             place = place * length + i
         return place
 
@@ -223,6 +224,7 @@ def _divide(a: Value, b: Value) -> float | int:
 
 def _whole_divide(a: Value, b: Value) -> int:
     a, b = numeric(a), numeric(b)
+    # towards 0, as DIV does; Python's // goes down
     if isinstance(a, int) and isinstance(b, int) and b:
         quotient = abs(a) // abs(b)
         return -quotient if (a < 0) != (b < 0) else quotient
@@ -245,6 +247,7 @@ def _within(value: Value, low: float, high: float, name: str) -> float | int:
 
 
 def _tangent(value: Value) -> float:
+    # tan(radians(90)) is 1.6e16 in floats: asked of the degrees
     angle = numeric(value) % 180
     if angle == 90:
         raise Refusal(f"TAN of {numeric(value):.12g} does not exist", "correct its argument")

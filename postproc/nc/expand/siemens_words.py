@@ -53,6 +53,7 @@ def word(scope: Scope, address: str, value: Value) -> str:
         if address != "T" and address != "D":
             raise Refusal(f"a string can not be the value of {address}", "assign a number")
         return f'"{value}"'
+    # C2 is written as C, CR as itself
     base = address[0] if len(address) == 1 or address[1:].isdigit() else address
     if base in WHOLE:
         value = numeric(value)

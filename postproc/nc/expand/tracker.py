@@ -65,6 +65,7 @@ class Tracker:
     def state(self) -> ModalState:
         """The modal state behind the last line taken. Raises BlockFault for one that is no plain
         block."""
+        # `ahead` has run this very line: its state is taken over, not worked out again
         line, behind, seen = self._next  # looked at ahead
         if behind is not None and seen is not None and self._waiting == [line]:
             self._hear(seen)
@@ -81,6 +82,8 @@ class Tracker:
                 if words.fault and not self._state.ended:
                     raise words.fault
             except BlockFault as error:
+                # a line that could not be cut into words has no block: its number is that of its
+                # text
                 read = error.block < len(words.line)
                 row = words.line[error.block] if read else words.text.count(b"\n", 0, error.start)
                 self.unread = origins[int(row)]
@@ -147,6 +150,7 @@ class Tracker:
         state, row = self.state, self.setup.axes.index(axis)
         if not state.known[row] or state.origin is None or not state.zero_known:
             return None
+        # ticks of one of the program's own units: half as many where its words are diameters
         unit = (TICKS_PER_INCH if self.inch and axis in "XYZUVW" else TICKS_PER_MM) / (
             2 if self.is_diameter(axis) else 1
         )

@@ -46,6 +46,7 @@ class Written:
         self.splines = KnownKnots(Tracker(interpreter), tolerance)
         self.notices: list[Notice] = []  # by the lines that were written by hand
         self.newline = b"\r\n" if b"\r\n" in program.text[:10_000] else b"\n"
+        # of lines that may be millions: lists of numbers would take several times the memory
         self._sources, self._files = array("L"), array("H")
         self._names: list[str] = [""]
         self._texts: dict[str, list[bytes]] = {}
