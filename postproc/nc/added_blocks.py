@@ -27,6 +27,7 @@ def codes_after_motion(b: Writing) -> None:
         last = int((b.p.motion == motion).nonzero()[0][-1])
         text = w.text[w.start[word] : w.stop[word]]
         start = int(w.start[word])
+        # with the blank before it, or two would be left
         start -= start > w.block_start[w.block[word]] and w.text[start - 1 : start] == b" "
         b.splice.texts([start], [w.stop[word]], [0], [b""])
         at = int(b.behind(motion))
@@ -57,6 +58,7 @@ def frames_of_blocks(b: Writing, added: np.ndarray) -> None:
     marks = [ord(mark) for mark in (";", b.dialect.block_end) if mark]
     # it ends with its line, as nearly all do
     line = (stop < len(w.text)) & ~one_of(b.byte.take(stop), marks)
+    # each block ends as its own line does, also where a file mixes LF and CR LF
     returns = (b.byte.take(np.maximum(stop - 1, 0)) == ord("\r")) & (stop > 0)
     skip, code = w.skip[block], np.where(b.names_code[added], p.code[added] + b.above[motion], -1)
     lead_of = _plain_lead
@@ -89,6 +91,7 @@ def _ends(b: Writing, stop: int) -> tuple[bytes, bytes]:
     text = b.w.text
     if stop >= len(text):
         return b.state.newline or b"\n", b""
+    # " ;" or "*": the blank before the mark belongs to it
     mark = text[stop - (text[stop - 1 : stop] == b" ") : stop + 1]
     line_end = text.find(b"\n", stop)
     rest = text[stop + 1 : line_end if line_end >= 0 else len(text)]

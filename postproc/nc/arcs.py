@@ -261,6 +261,7 @@ def _check(
     wrong = (miss > d.arc_tolerance_most_mm * more) | (
         (miss > limit) & (miss > d.arc_tolerance_relative * largest)
     )
+    # from the centre to itself there is no direction
     zero = (np.minimum(radius, radius_end) < d.radius_tolerance_mm) & good
     batch.blame(blocks[zero], "an arc of radius 0", "check I J K")
     bad = (wrong & good & ~zero).nonzero()[0]

@@ -79,6 +79,8 @@ def _radii(
     """R words: their numbers in the blocks that have them, none where a piece needs a centre, new
     ones behind."""
     word = b.m.arcs.words[2, arc]
+    # R stays only where the circle that the control makes of it is proven (docs/DESIGN.md,
+    # "Blocks")
     gone = (word >= 0) & (b.p.radius[piece] == 0)
     b.delete(word[gone], mine[gone])
     kept = (b.p.radius[piece] != 0).nonzero()[0]
@@ -131,6 +133,10 @@ def _centres(
     gone = stated & ~is_arc
     if any_of(gone):
         b.delete(word[gone], mine[gone])
+    #   start o--- I --->      I J are distances from the start: where that is corrected they
+    #          `.    |         change, though the centre stays. Numbers that are the same keep
+    #            `.  J         their bytes, and a word that is not written stays so where it
+    #              `o centre   would be 0.
     wanted = _centre(b, piece, arc, k, cells(m.arcs.absolute, k, arc))
     read = np.maximum(word, 0)
     own = np.minimum(np.where(stated, w.decimals[read], 0), MOST_DECIMALS)

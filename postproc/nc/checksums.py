@@ -124,6 +124,8 @@ def _line(line: bytes, state: Numbering) -> tuple[bytes, Numbering]:
     if RESET.search(code) and numbered:
         return _sealed(line, code, code, mark, tail), _reset(code, number, state)
     if number is not None and numbered:
+        # numbers of the program's own count on as they did, each later by the lines that were put
+        # in
         last = int(number[2]) + state.shift
         new = number[1] + _digits(last, number[2]) + code[number.end() :] if state.shift else code
         return _sealed(line, code, new, mark, tail), Numbering(last, state.shift)

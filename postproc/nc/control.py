@@ -50,6 +50,7 @@ class Control:
         # units and diameters to scales that hold for them (measures.py)
         self.measures: dict[tuple[int, int], tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
         self.zero: Any = None  # the zero worked out last (zeros.py)
+        # X, X=AC() and, as a distance, U, X=IC()
         letter = {row: u for u, row in self.increment_rows.items()}
         self.spellings = [
             (x, (x, spelled(ABSOLUTE, x)), (letter.get(row, ""), spelled(RELATIVE, x)))

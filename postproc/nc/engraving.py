@@ -133,6 +133,7 @@ def loose_axes(
         for place, is_place in zip(axis_words[x], (True, False), strict=True):
             block = b.words.block[place]
             block = block[~b.taken[block]]
+            # a distance from an uncertain place is as uncertain
             sure = absolute[block] & is_place
             named[x][block[sure]] = True
             counted[block[~sure & moving[block]]] = True

@@ -97,6 +97,7 @@ def _same_time(b: Writing, linear: list[int], beside: list[int], turned: np.ndar
     """Raises BlockFault where X Y Z move by their correction alone, beside an axis of which it is
     not known how far it moves: the time of that block is not known."""
     m, p = b.m, b.p
+    # X Y Z that the program moves itself take F anyway, and what turns beside them follows
     led = (m.target != m.start)[linear].any(axis=0)
     shifted = np.zeros(len(m), bool)
     np.logical_or.at(shifted, p.motion, (p.end != p.start)[linear].any(axis=0))

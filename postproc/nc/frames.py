@@ -61,7 +61,7 @@ def event(b: Batch, axis_words: AxisWords) -> None:
     first_codes |= {number for number in b.single if begins_with(b, number)}
     for number, does in b.dialect.frame_codes.items() if first_codes else ():
         if number in first_codes and b.live[0]:
-            ACTIONS[does](b, axis_words, b.dialect.by_number[number].word)
+            ACTIONS[does](b, axis_words, b.dialect.by_number[number].word)  # DOES of codes.py
     _edge(b, axis_words)
     chosen(b)
     if b.dialect.extended_by_p and b.given.get("work offset", (NONE,))[0] == 540 and b.live[0]:
@@ -157,7 +157,7 @@ def _set_off(b: Batch, axis_words: AxisWords, word: str) -> None:
 
 
 def _set_back(b: Batch, axis_words: AxisWords, word: str) -> None:
-    b.frame = replace(b.frame, preset_on=True)
+    b.frame = replace(b.frame, preset_on=True)  # as it was before G92.2
 
 
 def _local(b: Batch, axis_words: AxisWords, word: str) -> None:
@@ -281,7 +281,7 @@ def _store(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G28.1: the place where the machine stands becomes the reference point. It stands beside the
     nominal place by the correction, so from here on it is unknown where G28 goes, to the last
     micrometre."""
-    b.offsets = {**b.offsets, word.split(".")[0]: {}}
+    b.offsets = {**b.offsets, word.split(".")[0]: {}}  # a place not known
 
 
 def _extended(b: Batch, axis_words: AxisWords, word: str) -> None:

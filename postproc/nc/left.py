@@ -36,6 +36,7 @@ def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
             continue
         if code.refuses:
             mask &= b.has_axis & ~_by_radius(b, code, mask)
+        # cycles that are words (CYCLE97), and those that are refused but for this mode
         if number >= KEYWORD or code.refuses:
             _ends_elsewhere(b, code.does, mask)
         else:

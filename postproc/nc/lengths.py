@@ -96,6 +96,7 @@ def set_radius(b: Batch, p: int, line: int) -> None:
         return
     unit = unit_at_first(b) / TICKS_PER_MM
     adds = line == 13 or at_first(b, "distance") == 910
+    # nan where nothing is stated: it is close to no number
     expected = [0.0] if adds else [k * (place or {}).get("R", np.nan) for k in (1, 2)]
     if not np.isclose(value * unit, expected, rtol=0, atol=1e-6).any():
         b.offsets = {**b.offsets, f"D{p}": {}}
@@ -138,6 +139,7 @@ def left_open(b: Batch, axis_words: AxisWords, before: np.ndarray) -> None:
     the coordinates under a distance that stays as written (parameter 5006#6 TOS; B-64304EN-2,
     "Tool length compensation", "Shift types"): which, the program does not say. LinuxCNC moves
     nothing, as measured."""
+    # the same length again leaves every axis where it stands
     changes = b.frame.length != before
     if not b.dialect.length_left_open or b.frame.space is not None or not changes.any():
         return
@@ -177,6 +179,8 @@ def lapses(b: Batch, letter: str, away: np.ndarray, by: np.ndarray) -> np.ndarra
             gone[b.single[number]] = away[b.single[number]]
     if 530 in codes:
         gone[by[b.machine[by]]] = True
+    # above 0 from the block of the G28 on, up to the next G43, which begins a segment and clears
+    # lapsed
     since = gone.cumsum() + (letter in frame.lapsed)
     b.blame(
         by[(since[by] > 0) & ~b.machine[by] & ~gone[by]],

@@ -33,6 +33,8 @@ def plane_on(b: Batch, axis_words: AxisWords, word: str) -> None:
                   "let the CAM program write G68.2 with I J K alone")  # fmt: skip
     values = {x: value / TICKS_PER_MM for x, (value, _) in values_of(b, axis_words).items()}
     zero = np.array([values.get(x, 0.0) for x in "XYZ"])
+    # about Z by I: X becomes the line in which both planes meet; about it by J: the plane tips;
+    # about its normal by K: X turns within it
     turn = turned((2, 0, 2), [number_of(b, x) or 0.0 for x in "IJK"])
     tilt(b, word, turn, zero, reason)
 

@@ -48,6 +48,7 @@ def unit_at_first(b: Batch, letter: str = "Z") -> int:
 
 def lose(b: Batch, letters: str) -> None:
     """From here on it is not known where these axes stand."""
+    # a copy: the state before the batch may be used again
     known = b.state.known.copy()
     known[[row for x, row in b.rows.items() if x in letters]] = False
     b.state = replace(b.state, known=known)

@@ -73,6 +73,7 @@ def _taken_along(
     _reference(b, 280, letter, own)
     _reference(b, 280, "Z", z)
     for block in np.flatnonzero(z & ~own):
+        # where the block before has left it
         before = position[block - 1] if block else b.state.position[b.rows[letter]]
         if place is None or before != place:
             drop = drop.copy()

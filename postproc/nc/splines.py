@@ -26,6 +26,9 @@ def refuse_splines(
 ) -> None:
     """Control points that are not followed. motion (B,): the code in force; moving (B,); words of
     centres and corners by their letter."""
+    #      P1 o- - - -o P2           The curve stays within the hull of its control points and
+    #        / .-'''-. \             touches none between: each is corrected as the end of a line
+    #    P0 o'         `o P3         would be, and none is ever put in.
     spline = moving & (b.dialect.kind[np.maximum(motion, 0)] == SPLINE)
     if not any_of(spline):
         return

@@ -177,6 +177,8 @@ class ModalState:
 
     def at(self, position: np.ndarray, feed: float) -> ModalState:
         """The same modes at another position (A,), ticks, and another F."""
+        # past the checks of a new record, for each line of a stream; `modes` is what it was, and
+        # costs most of all to work out
         state = object.__new__(ModalState)
         state.__dict__.update(self.__dict__, modes=self.modes, position=position, feed=feed)
         return state

@@ -158,6 +158,7 @@ def transformed(
         known[row] = False
         return position, known
     none = np.zeros(len(position))
+    # one pose of the machine, told in both
     ends = [
         (f.space, f.length / TICKS_PER_MM) if f is not None else (None, none) for f in (old, new)
     ]

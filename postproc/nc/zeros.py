@@ -207,6 +207,7 @@ def offset_of(b: Batch, name: str, where: bool | np.ndarray) -> np.ndarray:
         number = b.because(*ask_for(b, name, "tool" if name.startswith("T") else "work"))
         b.reason = np.where(where, number, b.reason)
         return np.zeros((len(b.rows), 1), np.int64)
+    # (A, 1) where it holds throughout, (A, B) with zeros elsewhere where it does not
     shift = ticks_of(b.setup, place)[:, None]
     return shift if everywhere else shift * where
 

@@ -56,6 +56,8 @@ class Program:
     text: bytes
     library: Callable[[str], bytes | None] = lambda name: None
 
+    # bytes, for a comment may hold any of them; the line end of all that is written is chosen once
+    # (written.py)
     def lines(self) -> list[bytes]:
         """The lines without their ends."""
         return [line.rstrip(b"\r") for line in self.text.split(b"\n")]
@@ -74,6 +76,8 @@ class Refusal(Exception):
         super().__init__(message)
         self.message, self.advice, self.start, self.stop = message, advice, start, stop
 
+    # Who finds a fault deep in an expression knows its message, who reads the line knows where it
+    # stands: each layer on the way up adds a place only where none was given further in.
     def placed(self, start: int, stop: int) -> Self:
         """The same, at a place where it has none of its own."""
         if not self.stop:

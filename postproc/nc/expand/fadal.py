@@ -95,6 +95,8 @@ class _Run:
         """A block that is no call, a hole with the words of the cycle before it."""
         code, text, stored = self.codes[at], self.texts[at], self.stored
         if stored >= 0 and PLACES.fullmatch(code):
+            #   G81 X1. Y1. Z-1. R.1 F10. L0   stored, for it drills nothing there
+            #   X2. Y2., the first in L101     G81 Z-1. R.1 F10. X2. Y2.
             cycle = PLACE.sub(b"", NO_HOLE.sub(b"", self.texts[stored])).rstrip()
             text, self.stored = cycle + b" " + code, -1
         elif stored >= 0 and code:

@@ -83,6 +83,8 @@ class Runner:
     def run(self) -> Iterator[Line]:
         """Execute it."""
         for line in self._lines():
+            # M99 of the main program: written out is the first time, and the second must be the
+            # same text
             if self.seen is None or (self.ended and self.second in (-1, len(self.seen))):
                 yield line
             elif self.second < 0:
@@ -257,6 +259,7 @@ class Runner:
         except Unknown as unknown:
             if number in (3000, 3006):
                 raise
+            # what only the machine knows may be stored; who asks for it later is refused
             value = unknown
         if number == 3000:
             assert not isinstance(value, Unknown)

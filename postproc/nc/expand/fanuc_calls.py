@@ -116,6 +116,8 @@ def arguments(words: list[Word], variables: Variables) -> dict[int, Value | Unkn
                 *word.place,
             )
         value = word.worth(variables)
+        # X1000 hands over 1.0 where whole numbers count 0.001 mm, X1000. hands over 1000; of F or S
+        # a number is what it says
         pointed = not word.digits or "." in word.digits or word.letter in COUNTS
         if value is not None and not pointed and variables.tracker.counts:
             value = float(f"{value:.0f}e-{variables.places(word.letter)}")

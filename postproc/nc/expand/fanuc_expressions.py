@@ -227,6 +227,7 @@ class Reader:
         self._expect("]", "a [ is not closed")
         if name in ("ATAN", "ATAN2") and self.code[self.at : self.at + 2] == "/[":
             arguments.append(self._second_side(name, start))
+        # ATAN[1]/[2] and ATAN[1,2] are of two sides, ATAN[1] is the angle of a tangent
         wanted = 2 if name in ("POW", "ATAN2") or (len(arguments) == 2 and name == "ATAN") else 1
         if len(arguments) != wanted:
             raise self.fault(
@@ -238,6 +239,7 @@ class Reader:
         if name == "ASIN" and self.haas:
             function = lambda x: math.degrees(math.asin(x))  # noqa: E731
         if name == "ROUND" and self.letter:
+            # X[ROUND[#1]] rounds to the least increment of X, #2=ROUND[#1] to whole numbers
             letter, one = self.letter, arguments[0]
             return lambda m: to_places(one(m) or 0.0, m.places(letter))
         return applied(name, function, arguments, (start, self.at))

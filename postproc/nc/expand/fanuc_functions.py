@@ -32,6 +32,7 @@ def whole(value: Value, what: str) -> int:
 
 def nearest(value: float) -> float:
     """Rounded to a whole number, halves away from zero, as ROUND does."""
+    # 2.5 to 3 and -2.5 to -3; Python's round would give the even one
     return math.copysign(math.floor(abs(value) + 0.5), value)
 
 
@@ -149,6 +150,7 @@ def computed(
     try:
         result = function(*values)
     except (ValueError, OverflowError, ZeroDivisionError):
+        # what Python refuses and what it gives as inf or nan is told alike, below
         result = math.inf
     except Refusal as wrong:
         raise Refusal(wrong.message, wrong.advice, *place) from None

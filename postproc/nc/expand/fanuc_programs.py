@@ -62,6 +62,9 @@ class Source:
             if b"(" in program.text or b";" in program.text
             else program.text
         )
+        #   N1 G0 X1; #1=2; M98 P3;    one line, and three entries where one of its blocks must be
+        #                              met alone; all have the line's number. Entries without a
+        #                              mark in `special` leave without being read.
         self.special = _special(code, len(self.texts))
         self.expands = bool(file) or MACRO.search(code) is not None
         if semicolon != "comment" and self.expands:
@@ -150,6 +153,7 @@ class Source:
             if found:
                 digits = re.sub(rb"[ \t]", b"", found[1])
                 heads.append((i, int(digits) if len(digits) < 10 else -1))
+        # blocks before the first O number are a program of their own, the main one
         before = (self.code(i) for i in range(heads[0][0] if heads else 0))
         if not heads or any(code not in ("", "%") and not DRAWS.match(code) for code in before):
             heads.insert(0, (0, -1))
@@ -178,6 +182,7 @@ class Source:
     def find(self, section: Section, label: int, behind: int) -> int:
         """The entry of an N number: searched from the entry behind `behind` to the end, then from
         the top; -1: none."""
+        # all of a program at the first jump in it; many have none
         if section.labels is None:
             section.labels = {}
             for i in range(section.start, section.stop):

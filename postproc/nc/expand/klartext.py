@@ -120,6 +120,8 @@ class _Run:
             yield Line(filled, part.here + 1, part.name)
         elif label := LABEL.match(code):
             if label[1] is not None and not int(label[1]) and part.back:
+                # CALL LBL 1 goes on behind LBL 1; `back` has the line behind each call, the last
+                # one on top
                 part.at = part.back.pop()
         elif call := CALL.match(code):
             self._call(part, call)
@@ -221,6 +223,7 @@ class _Run:
             except Refusal:
                 pass
         name = found[2] if found else read[1] if read else b""
+        # from here on it is as if it had never been set: whoever uses it is refused
         self.q.pop(name.decode(), None)
 
     def _value(self, formula: bytes) -> float:

@@ -68,6 +68,7 @@ class Formula:
 
     def __init__(self, text: str, parameters: dict[str, float]):
         self.parameters, self.at, self.deep = parameters, 0, 0
+        # of each piece one of four is set: digits, parameter, name, mark
         found = list(self.token.finditer(text.strip().upper()))
         self.tokens = [m.groups() for m in found]
         self.ends = [m.end() for m in found]
@@ -107,6 +108,7 @@ class Formula:
         return left
 
     def _power(self) -> float:
+        # one power, and a sign belongs to what stands behind it: -2^2 is 4 here
         left = self._factor()
         if self._next("^"):
             return float(left ** self._factor())
@@ -140,6 +142,7 @@ class Formula:
         if name == "PI":
             return math.pi
         if name in self.functions:
+            # of the next value alone, with brackets or without: SIN 30 * 2 is twice the sine of 30
             return self.functions[name](self._factor())
         raise FormulaError(f"{self.text[:40]!r} is no formula that is known here")
 

@@ -68,6 +68,7 @@ class Run:
         while True:
             file, at = flow.file, flow.at
             special = file.special.find(1, at)
+            # up to the next line that may be more than plain words, at once
             until = min(special if special >= 0 else len(file.lines), at + most - steps)
             if until > at and flow.skip is None:
                 name = file.name
@@ -116,6 +117,7 @@ class Run:
             return self._mark(file, at)
         if self._passes(text):
             return text if flow.skip is None else None
+        # what is skipped is not read: it may be no code at all
         if flow.skip is not None and not CONTROL.match(text):
             return None
         found = file.read.get(at) or read(text)
@@ -181,6 +183,8 @@ class Run:
         #<_x> is where the shape has come to (interp_g7x.cc, convert_g7x)."""
         flow, memory, found = self.flow, self.memory, list[bytes]()
         level, tracker = len(flow.calls), memory.tracker
+        # the shape is run as it would be, but the program stands still meanwhile: another tracker
+        # hears it
         memory.tracker = beside = tracker.beside()
         beside.take(begin)
         try:

@@ -125,6 +125,7 @@ class Block:
                     memory.check_writable(index)
                     numbered.append((index, value(memory)))
             except Refusal as e:
+                # F[#<_hal[feed]>] moves nothing: it stays as it stands, and the machine reads it
                 if letter in "fs" and letter and only_of_the_machine(line[start:stop]):
                     pieces.append(line[start:stop])
                     continue
@@ -157,6 +158,7 @@ def written(letter: str, value: float, memory: Memory) -> str:
     """A word's value as a plain number. Raises Refusal where it is none that the word can have."""
     upper = letter.upper()
     if letter == "g":
+        # a G number has one decimal, and a value of 54.09999 is taken as 54.1
         tenths = math.floor(10.0 * value)
         if 10.0 * value - tenths > 0.999:
             tenths += 1
@@ -218,6 +220,7 @@ class Control:
             )
         while reader.next == "[" and len(found) < most:
             found.append(reader.expression())
+            # a comment may stand behind each argument
             while self.kind == "call" and reader.taken("("):
                 pass
         while reader.taken("("):
@@ -287,6 +290,7 @@ def _o_word(reader: Reader) -> Control:
     found = KEYWORD.match(reader.text, reader.at)
     if found:
         return Control(found[0], reader.code, found.end(), label)
+    # O100 alone is the begin of a Fanuc-style program; anything else behind it is a slip
     if reader.next not in ("", "("):
         raise Refusal(
             "this O-word has no keyword that LinuxCNC knows",
@@ -339,6 +343,7 @@ def _block(line: bytes, reader: Reader) -> Block:
         block.letters += letter
         if letter in "gm":
             block.codes.append((letter, value))
+        # a number as it is written keeps its bytes; only what was worked out is an edit
         if not literal:
             block.edits.append(Edit(*code.span(first, reader.at), letter, value))
     return block

@@ -96,6 +96,8 @@ def compact(line: bytes) -> Code:
                 "close it with ')'",
                 *piece.span(),
             )
+        # one character of the code for each byte that counts, so that `starts` leads back into the
+        # line
         text.append(first.decode("latin-1"))
         starts.append(piece.start())
         stops.append(piece.end())
@@ -244,6 +246,7 @@ class Reader:
                     f"a number of {len(found[0])} digits", CORRECT, *self.code.span(start, self.at)
                 )
             return lambda scope: constant
+        # the depth of Python's own stack, which a line of a thousand brackets would break
         self.depth += 1
         if self.depth > DEEPEST:
             raise self.wrong(
@@ -316,6 +319,7 @@ class Reader:
         value = self.expression()
         if name == "atan":
             self.need("/", "behind ATAN[..]: it takes two values, ATAN[y]/[x]")
+            # ATAN[y]/[x]: the slash is part of the function, no division
             below = self.expression()
             return lambda scope: _degrees(math.atan2(value(scope), below(scope)))
         function, span = FUNCTIONS[name], self.code.span(start, self.at)
@@ -347,6 +351,7 @@ class Reader:
         name = self.name() if self.next == "<" else None
         literal = NUMBER.match(self.text, self.at) if name is None else None
         index = self.value() if name is None else None
+        # #100, by far the most frequent: no value to work out
         fixed = (
             int(literal[0]) if literal and len(literal[0]) < 10 and literal[0].isdigit() else None
         )

@@ -183,6 +183,7 @@ class Memory:
         unset names are 0 then."""
         self.defining = defining
         try:
+            # o1 endsub [5] gives 5 to #<_value>
             self.value = values[0](self) if values else 0.0
         except Refusal:
             if not defining:

@@ -73,6 +73,7 @@ def _parts(texts: list[bytes], file: str) -> dict[str, _Part]:
     begins = [(i, m[1].decode()) for i, code in enumerate(codes) if (m := NAMED.match(code))]
     if not begins or any(code and not TAPE.match(code) for code in codes[: begins[0][0]]):
         begins.insert(0, (0, ""))
+    # what stands before the first name (%, comments) belongs to the first program
     begins[0] = (0, begins[0][1])
     found: dict[str, _Part] = {}
     for (first, name), (last, _) in zip(begins, [*begins[1:], (len(texts), "")], strict=True):
@@ -115,6 +116,7 @@ class _Run:
             here = part.here = part.at
             part.at += 1
             try:
+                # of all statements of the run, those of called programs among them
                 self.left -= 1
                 if self.left < 0:
                     raise self.limits.endless()
@@ -207,6 +209,7 @@ class _Run:
         for _ in range(times):
             yield from self._run(replace(called), depth + 1)
         for own in names:
+            # common variables keep what the call has given them
             if not own.startswith("V"):
                 self.values.pop(own, None)
 
@@ -228,6 +231,8 @@ class _Run:
             for i in range(first, other.last):
                 said = self.said.get((part.file, i))
                 try:
+                    # its blocks were written out where they stand, and the cycle of the call (G85)
+                    # reads them there
                     same = said is None or self._filled(other, i).text == said
                 except Refusal as e:
                     raise self._error(other, i, e) from None

@@ -72,6 +72,8 @@ class Expression(Formula):
     def _either(self) -> bool:
         value = self._both()
         while self._next("OR"):
+            # both sides are read whatever the first one says, for the text must be gone through to
+            # its end
             value = self._both() or value
         return value
 

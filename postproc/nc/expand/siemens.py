@@ -90,6 +90,7 @@ class Run:
             raw = source.lines[at]
             if steps > limit:
                 raise self.limits.endless().at(source.name, at + 1, raw)
+            # nothing to execute in it: it leaves as it stands, which nearly all lines do
             if plain(raw):
                 yield from self.drilled(frame, Line(raw, at + 1, source.file))
                 if frame.repeats:
@@ -218,6 +219,7 @@ class Run:
             name = value
         found = FILE_NAME.fullmatch(name)
         name = found[1] if found else name
+        # a program of this name beside the main one goes before the control's own cycle
         if name.upper() in NAMES and self.library(name) is None:
             contour = contour_of(frame, self.library, call)
             around = frame.source.around(frame.at)

@@ -34,6 +34,8 @@ HEAD = re.compile(
     rf"[ \t]*(?:/[0-9]?[ \t]*)?(?:(?:N[ \t]*|:)\d+[ \t]*)?(?:({NAME}[ \t]*:(?!=))[ \t]*)?",
     re.IGNORECASE | re.ASCII,
 )
+# "(?>" gives nothing back: a long number that turns out to be no word would else be tried again at
+# each of its digits.
 WORD = re.compile(
     r"[ \t]*([A-Z])[ \t]*([+-]?(?>\d+\.?\d*|\.\d+))(EX[+-]?\d+)?(?![ \t]*(?:=(?!=)|\[|\())",
     re.IGNORECASE | re.ASCII,
@@ -121,6 +123,7 @@ class Words(Parser):
         self.at = token.end()
         indices = self.index_entries(name == "PO")
         stop = self.at
+        # X1=.. R1=.. NAME[..]=..; a command with its brackets; or, alone in its line, a call
         if self.taken("="):
             self.assignment(Target(name, indices, start, stop))
         elif name in COMMANDS:
@@ -269,6 +272,7 @@ class Words(Parser):
     ) -> None:
         """A subprogram call with its values and passes; it stands alone in its line."""
         self.at = stop
+        # X10 FOO: a word that is misspelt, more likely than a call
         if others:
             message = (
                 f"{name} is no word that gcomp knows, and a subprogram call stands alone in its"

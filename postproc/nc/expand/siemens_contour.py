@@ -53,6 +53,7 @@ def contour_of(
         found = []
         for raw in source.lines[begin : stop + 1]:
             statement = read(raw.decode("latin-1"))
+            # M17 or M2 ends the contour, as it ends the subprogram that holds it
             if statement.ends:
                 break
             if statement.control == "PROC":
@@ -116,6 +117,7 @@ def _head(tracker: Tracker) -> bytes:
 def _shape(motions: Motions, rows: list[int], inch: bool) -> list[Element]:
     unit = TICKS_PER_INCH if inch else TICKS_PER_MM
     mm = 25.4 if inch else 1.0
+    # the way to the first place is none of the contour: the cycle goes there by itself
     if not len(motions.block) or not motions.target_known[rows, 0].all():
         raise Refusal("the contour of CYCLE95 does not begin at a place in X and Z", CHECK)
     # (N, 2): z and x, a radius whatever the words are

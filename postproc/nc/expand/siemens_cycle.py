@@ -23,6 +23,8 @@ def by_name(
         )
     given = {}
     for name, value in zip(names, values, strict=False):
+        # CYCLE81(10,0,2,,5): a value that is left out is not one of 0; each cycle says what it
+        # means then
         if value is None or value == "":
             continue
         if isinstance(value, bool) or not isinstance(value, int | float):
@@ -47,6 +49,8 @@ class Cycle(ABC):
     @classmethod
     def of(cls, name: str, values: Sequence[Value | None], sense: int = 1) -> Self:
         """Raises Refusal for values that are none of a cycle that can be written out."""
+        # with the values as they are where the call stands: MCALL keeps them for all holes behind
+        # it
         call = cls(name, by_name(name, cls.words[name].split(), values, cls.advice), sense)
         call.check()
         return call

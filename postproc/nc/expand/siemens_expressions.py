@@ -153,6 +153,8 @@ class Parser:
         stop = self.at
 
         def read(scope: Scope) -> Value:
+            # What a name is only the run knows: DEF may have made a variable of what is an address,
+            # or an axis, elsewhere.
             if name not in scope.variables and name in ADDRESSES:
                 message = f"{name} is an instruction: the value that it has can not be read"
                 raise Refusal(message, "keep the value in a variable too", start, stop)
@@ -209,6 +211,7 @@ def _constant(token: re.Match[str]) -> Value:
             else 2**64
         )
         return fitting(value)
+    # without a point and short enough to be exact: INT, so that DIV and MOD count as whole numbers
     text = token["number"].upper()
     if text.isdigit() and len(text) < 16:
         return int(text)

@@ -67,6 +67,7 @@ def read(text: str) -> Statement:
     words = Words(text, end_of_code(text), begin)
     if text.lstrip(" \t").startswith("%"):
         return words.into
+    # a label goes, for nothing jumps in what is written out
     if head and head[1]:
         words.piece(head.start(1), begin, lambda scope: "")
     token = words.next()
@@ -91,6 +92,7 @@ def read(text: str) -> Statement:
             return words.into
         if not words.taken(*JUMPS):
             raise words.wrong("behind a condition stands GOTOF or one of its kin, or nothing")
+        # IF .. GOTOF: read once more from its begin, as a word of the line (Words.named_word)
         words.at = begin
     return words.words()
 
@@ -113,6 +115,7 @@ def _condition(words: Words) -> None:
     words.into.parts = (words.expression(),)
 
 
+# FOR R1=1 TO 10
 def _for(words: Words) -> None:
     token = words.next()
     if token is None or not token["name"]:
@@ -131,6 +134,7 @@ PART = re.compile(
 )
 
 
+# REPEAT, which UNTIL closes; REPEAT ANF P=3; REPEAT ANF ENDE; REPEATB ANF
 def _repeat(words: Words) -> None:
     if words.done() and words.into.control == "REPEAT":
         return
@@ -148,6 +152,7 @@ def _repeat(words: Words) -> None:
     words.into.parts = (labels[0], labels[-1] if len(labels) > 1 else "", count)
 
 
+# CASE R1 OF 1 GOTOF AA 2 GOTOF BB DEFAULT GOTOF CC
 def _case(words: Words) -> None:
     tested, cases, default = words.expression(), [], None
     words.need("OF")
@@ -193,6 +198,7 @@ def _name(words: Words, subprogram: bool = False) -> tuple[str, int]:
     return name, token.start("name")
 
 
+# DEF REAL AB=1, FELD[2,3]=SET(1,2)
 def _define(words: Words) -> None:
     kind, found = _type(words), []
     while True:
@@ -214,6 +220,7 @@ def _procedure(words: Words) -> None:
     found: list[Parameter] = []
     if words.taken("(") and not words.taken(")"):
         while True:
+            # PROC NAME(REAL AB, VAR INT BB, REAL FE[,2], INT DD=5)
             reference = bool(words.taken("VAR"))
             kind = _type(words)
             own, _ = _name(words)

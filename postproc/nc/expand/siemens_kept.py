@@ -38,6 +38,7 @@ class Tapping(Drilling):
         high = b"G0 " + self._to(tracker, axis)(self.given["RTP"])
         values = [self.given.get(word) for word in self.words[self.name].split()]
         call = _written(self.name, values)
+        # a program that was written out once is written out again without another two
         if self.around == (high, high):  # they stand there already
             return [call]
         return [high, call, high, *tracker.motion_code()]

@@ -74,6 +74,7 @@ class Milling(Cycle):
         count = math.ceil(total / most - NEAR) if most > 0 else 1
         if count > MOST_DEPTHS:
             raise Refusal(f"{self.name} takes too many depths", "correct MID")
+        # the last one is the number of the call itself, not the sum of steps
         return (bottom if k == count else rfp - total * k / count for k in range(1, count + 1))
 
 
@@ -90,6 +91,9 @@ class Ways:
     def __init__(self, call: Milling, tracker: Tracker):
         g = call.given
         self.tracker, self.zero = tracker, (call.get("PA"), call.get("PO"))
+        #      y'  ^  STA      x' y' are the coordinates of the figure, in which all ways are told:
+        #       `. |  .' x'    zero is PA PO in those of the program, and STA turns x' from X.
+        #         `|.'____ X
         turn = math.radians(call.get("STA"))
         self.cos, self.sin = math.cos(turn), math.sin(turn)
         self.plane = f" F{number(g['FFP1'], 3)}"

@@ -102,6 +102,11 @@ class Pattern(Cycle):
             return found[::-1] if last < first else found
         return found
 
+    #            .o   NUM, DBH apart        _circle: NUM on RAD about CPA CPO, the first at STA1,
+    #         .o'                           INDA apart, or evenly where that is 0
+    #      .o'  FDIS to the first           _grid: NUM1 by NUM2, DIS1 and DIS2 apart, turned by
+    #    .'  STA1                           STA1 about SPCA SPCO
+    #   SPCA SPCO
     def _row(self) -> list[Place]:
         g, angle = self.given, math.radians(self.given.get("STA1", 0.0))
         ways = (g.get("FDIS", 0.0) + i * g["DBH"] for i in range(self._count("NUM")))

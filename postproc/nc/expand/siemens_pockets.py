@@ -86,6 +86,7 @@ class _Cut(Ways):
         g, p = pocket.given, pocket
         self.rtp, self.rfp, self.dp = g["RTP"], g["RFP"], g["DP"]
         self.clear, self.fal, self.fald = (p.get(w) for w in ("SDIS", "FAL", "FALD"))
+        # climb and up-cut hang on how the spindle turns, G2 and G3 do not
         self.ccw = WITH_M3[int(p.get("CDIR"))] * (self.pocket.sense if p.get("CDIR") < 2 else 1)
         self.way = p.shape().less(self.radius)
         # the ways of the tool's middle: the wall moved in by the radius, and by what is left for
@@ -109,6 +110,7 @@ class _Cut(Ways):
         for z in self.pocket.depths(self.dp + self.fald):
             self._enter(high, z)
             self._clear(rings)
+            # to SDIS above what is cleared by now, and in rapid traverse back to the middle
             high = min(z + self.clear, self.rfp + self.clear)
             self.to("G0", z=high)
             self.to("G0", (0.0, 0.0))

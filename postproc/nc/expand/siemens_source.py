@@ -75,6 +75,7 @@ class Source:
             if not word or (self.skips and text.lstrip(" \t").startswith("/")):
                 continue
             keyword, rest = word[2].upper(), text[word.end() : end_of_code(text)]
+            # IF .. GOTOF is a jump and REPEAT ANF a repetition: neither opens anything
             if (keyword == "IF" and re.search(r"\bGOTO[FBCS]?\b", rest, re.IGNORECASE)) or (
                 keyword == "REPEAT" and rest.strip(" \t")
             ):
@@ -145,6 +146,8 @@ class Source:
         if start is None:
             raise Refusal(f"there is no {first} in this program", "correct the name of the label")
         ends = [i for i in self.marks.get(last or "ENDLABEL", []) if i >= start]
+        #   REPEAT ANF ENDE     from ANF to ENDE, wherever they stand
+        #   REPEAT ANF          from ANF to ENDLABEL; without one before the REPEAT up to the REPEAT
         if ends and (last or start > at or ends[0] < at):
             return start, ends[0]
         if last or start > at:

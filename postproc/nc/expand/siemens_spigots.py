@@ -71,6 +71,7 @@ class Spigot(Milling):
         # around a spigot climb milling goes the other way than within a pocket
         kind = int(self.get("CDIR"))
         cut.ccw = WITH_M3[kind] * (-self.sense if kind < 2 else 1)
+        # of both half circles, which run into the way around at W without a corner
         middle = ((way.a + start) / 2, 0.0)
         on, off = ((start, 0.0), way.start), (way.start, (start, 0.0))
         around = [Piece(-1, *on, middle), *way.ring(), Piece(-1, *off, middle)]

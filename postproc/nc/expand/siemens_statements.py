@@ -117,6 +117,7 @@ class Statement:
                     at += 1
         out.append(self.text[at : self.code])
         code = "".join(out)
+        # nothing went away: blanks at the end stay as they are
         if not removed:
             return code + self.text[self.code :]
         if EMPTY_CODE.fullmatch(code):
@@ -163,6 +164,8 @@ def assign(scope: Scope, target: Target, right: Right) -> None:
         )
     values = [None if e is None else e.node(scope) for e in right.entries]
     room = len(variable.values) - place
+    # REP(1.5) fills all from here on, REP(1.5, 4) four elements; SET(..) a list, with gaps that
+    # stay
     if right.kind == "REP":
         count = room if len(values) < 2 or values[1] is None else rounded(values[1])
         values = values[:1] * max(0, min(count, room + 1))

@@ -88,6 +88,7 @@ class Scope:
     def find(self, name: str, index: list[int]) -> tuple[Variable, int]:
         """The variable or R parameter and the place in it. Raises Refusal where there is none."""
         if name[0] == "R" and (name == "R" or name[1:].isdigit()):
+            # R5, or R[5]
             number = int(name[1:]) if name != "R" else index[0] if len(index) == 1 else -1
             if not 0 <= number <= LARGEST_PARAMETER or (name != "R" and index):
                 raise Refusal(
@@ -183,6 +184,7 @@ def converted(kind: str, value: Value) -> Value:
 
 def fitting(value: float | int) -> float | int:
     """The same number, unless no REAL holds it."""
+    # beyond 2^53 a float no longer holds every whole number
     if isinstance(value, int) and -EXACT <= value <= EXACT:
         return value
     if not math.isfinite(value):
@@ -201,6 +203,7 @@ def equal(a: Value, b: Value) -> bool:
     if isinstance(a, Axis) or isinstance(b, Axis) or (isinstance(a, str) and isinstance(b, str)):
         return a == b
     a, b = _code(a), _code(b)
+    # 0.1 * 3 == 0.3 holds, as on the control: a loop counts as often as there
     return a == b or abs(a - b) <= EQUAL * max(abs(a), abs(b))
 
 

@@ -69,6 +69,8 @@ class Written:
         if not any(code.word == WORD for code in self.tracker.dialect.codes):
             yield from self._resolved()
             return
+        # Splines come last and have a tracker of their own: what is held back until its spline ends
+        # has been heard by the other one already.
         splines, word = self.splines, WORD.encode()
         follow = splines.tracker.take
         for line in self._resolved():
