@@ -53,6 +53,8 @@ def arcs_of(
     word = {}
     for letter in "IJKR":
         word[letter] = word_column(batch, centre_words.get(letter))[circle.block[arc]]
+    # rows of the plane's axes, -1 where the machine lacks one; centre_word: indices of words of the
+    # first, the second, and of R; grid (2, n): ticks of a least increment
     first, second = np.full(n, -1), np.full(n, -1)
     # unit (n,): ticks of one unit, 1 mm or 1 inch, for I J K R are never diameters
     centre_word, grid, unit = np.full((3, n), -1), np.ones((2, n), np.int64), np.ones(n, np.int64)
@@ -90,6 +92,7 @@ def arcs_of(
         "an arc with a centre and with R",
         "controls disagree on which one holds: keep one",
     )
+    # from here on all arcs are worked out, those with a reason too, so that columns stay columns
     good = first >= 0
     row_a, row_b = np.maximum(first, 0), np.maximum(second, 0)
     start = np.stack([places.start[row_a, arc], places.start[row_b, arc]])

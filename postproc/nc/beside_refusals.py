@@ -50,6 +50,8 @@ def refuse_beside(b: Batch, motions: Motions) -> Motions:
 def _codes(b: Batch) -> list[tuple[int, str]]:
     """Block and sentence of codes that may not stand there."""
     held, plane = spread(b.held("cutter"), b.n), spread(b.held("plane"), b.n)
+    # (B,) whether compensation was on behind the block before each, plane and work offset likewise:
+    # what counts is the change, and it may lie between two batches
     before = np.isin(
         np.concatenate([[b.state.codes.get("cutter", NONE)], held[:-1]]), b.dialect.beside
     )
@@ -134,6 +136,7 @@ def _followed(shifted: Shifted | None, motions: Motions, i: int) -> Shifted | No
 def follower(motions: Motions, i: int) -> Shifted | None:
     """A follower for the contour that motion i begins; None where it ends one, or can not be
     followed: by an arc, from an unknown place, or with a tool that is not stated."""
+    # 0: nothing is shifted; nan: not stated
     radius = float(motions.radius[i])
     known = motions.start_known[:, i].all() and motions.target_known[:, i].all()
     arc = motions.code[i] in (CLOCKWISE, COUNTER)

@@ -19,6 +19,7 @@ def at(column: Any, index: np.ndarray) -> Any:
     """A column at some blocks; a single number stays one."""
     if not isinstance(column, np.ndarray):
         return column
+    # of one place: it holds throughout, as in a batch of one block
     return column.ravel()[0] if column.size == 1 else column[index]
 
 

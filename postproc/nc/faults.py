@@ -152,6 +152,7 @@ def _stored_as(text: bytes, offset: int) -> tuple[str, str] | None:
             "the program begins with a byte order mark (UTF-8)",
             "save it as plain ASCII, or UTF-8 without the mark",
         )
+    # UTF-16 of plain ASCII: every second byte is 0, and a mark of two bytes may stand before
     marked = text[:2] in (b"\xff\xfe", b"\xfe\xff") and offset < 4
     if marked or (b"\0" in text[offset : offset + 2] and text[1::2][:8].count(0) > 6):
         return "the program is stored as UTF-16, two bytes a character", "save it as plain ASCII"
@@ -162,6 +163,7 @@ def what(text: bytes, code: bytes, offset: int, slash: bool, in_number: bool) ->
     """A character that belongs to no word: message and advice. `code` is `text` without its
     comments."""
     byte, character = code[offset], chr(code[offset])
+    # looked for in `text`: what the lexer sees of it is LONE
     if text[offset] == ord("\r"):
         return (
             (

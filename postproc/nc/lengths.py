@@ -115,6 +115,7 @@ def length_of(b: Batch, axis_words: AxisWords, word: str, sign: int = 1, add: bo
     the length of the tool in the spindle."""
     number = number_of(b, "H")
     if number is None:
+        # -1 before any M6: no tool has that number, and UNNAMED says the way out
         number = float(_tool_in_spindle(b))
     elif number == 0 and b.dialect.local_is_preset:
         number = _of_h0(b, add)
@@ -123,6 +124,7 @@ def length_of(b: Batch, axis_words: AxisWords, word: str, sign: int = 1, add: bo
     place = stated_tool(b, "H", int(number)) if number >= 0 else None
     if number == 0 and (place is None or not b.dialect.local_is_preset):
         place = {}
+    # (A,) of all axes: a mill's table has Z alone, a turning tool's X and Z
     length = None if place is None else sign * ticks_of(b.setup, place)
     if length is None:
         b.frame = with_known(b.frame, "length", _not_stated(int(number)) if number > 0 else UNNAMED)

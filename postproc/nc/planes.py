@@ -133,6 +133,7 @@ def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
     # third column: the plane's normal in the part, which the tool's axis must become
     found = kinematics.aligned(frame.plane.matrix[:, 2], b.state.position / TICKS_PER_MM)
     tilts = b.rows[kinematics.rotary[-1]]
+    # the way that SEQ or _DIR asks for, if it is one of the two
     found = [pose for pose in found if pose[tilts] * sign >= 0] or found
     if not found or (len(found) > 1 and not known):
         reason = _no_pose(word, kinematics.rotary, several=bool(found))
@@ -185,6 +186,7 @@ def _slides(
     slides = (
         kinematics.convert(position / TICKS_PER_MM, here, (None, here[1])) if all_known else None
     )
+    # the control turns them to angles that follow from the plane, wherever they stood
     known[[b.rows[x] for x in kinematics.rotary]] = True
 
     def turned(after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

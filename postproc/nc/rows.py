@@ -132,6 +132,7 @@ FANUC = [
     *rows("cylinder", {"107": "cylindrical interpolation"}, refuses=codes.TRANSFORM, like="G7.1"),
     *MACRO,
 ]
+# of mills, where they are named and refused: face.py follows them on lathes alone
 NO_POLAR = [
     *rows("polar", {"12.1": "polar interpolation"}, refuses=codes.TRANSFORM),
     *rows("polar", {"112": "polar interpolation"}, refuses=codes.TRANSFORM, like="G12.1"),

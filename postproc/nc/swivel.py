@@ -50,6 +50,7 @@ def swivel(b: Batch, axis_words: AxisWords, word: str) -> None:
             "let the CAM program write it axis by axis (mode 57)",
         )
         return
+    # _ST: with a last digit of 0 the plane is a new one, else it counts from the one in force
     if given[2] and int(given[2]) % 10:
         refuse(
             b,

@@ -99,6 +99,7 @@ def work_columns(b: Batch) -> np.ndarray:
     if EXTERNAL in b.setup.offsets or EXTERNAL in b.offsets:
         total = total + offset_of(b, EXTERNAL, True)
     work = b.held("work offset")
+    # each work offset that holds anywhere in the batch, once, where it holds
     for number in [work] if isinstance(work, int) else sorted(set(work[changes(work)].tolist())):
         total = total + offset_of(b, _work_offset(b, int(number)), work == number)
     tool_place = b.places.get("T") if b.dialect.tool_offsets else None

@@ -79,6 +79,7 @@ class _Run:
             if self.left < 0:
                 raise self.limits.endless().at(self.program.name, at + 1, self.texts[at])
             call = ROUTINE.fullmatch(self.codes[at])
+            # L103: subroutine 1, three times
             if call is None:
                 yield from self._plain(at)
                 continue

@@ -35,6 +35,7 @@ from postproc.nc.expand.fanuc_functions import (
 )
 
 DEEPEST = 40  # brackets in each other; the control itself allows 5
+# the longer name first: the first that fits is taken
 OPERATOR = re.compile(r"\*|/|\+|-|AND|AN|MOD|XOR|XO|OR|EQ|NE|GT|GE|LT|LE")
 NUMBER = re.compile(r"\d+\.?\d*|\.\d+", re.ASCII)
 NAME = re.compile(r"[A-Z]+2?", re.ASCII)
@@ -136,6 +137,7 @@ class Reader:
             wanted = name == "EQ"
             # the vacant one equals itself alone
             return lambda m: float((left(m) == right(m)) is wanted)
+        # GT and its kin take a vacant variable as 0, unlike EQ and NE
         return applied(name, ARITHMETIC[name], [left, right], (start, self.at))
 
     def _inside(self) -> Formula:
@@ -163,6 +165,7 @@ class Reader:
         first, rest = operand(), []
         start = self.at
         while name := self._operator(operators):
+            # with its place, so that a division by zero is shown where it stands
             rest.append((name, operand(), (start, self.at)))
             start = self.at
         if not rest:

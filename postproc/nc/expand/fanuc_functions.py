@@ -24,6 +24,7 @@ class Unknown(Refusal):
 
 def whole(value: Value, what: str) -> int:
     """A value as a whole number, the vacant one as 0. Raises Refusal where it has a fraction."""
+    # results such as 2.9999999999 are meant as 3
     near = round(value or 0.0)
     if abs((value or 0.0) - near) > 1e-6:
         raise Refusal(f"{what} is {value:g}, not a whole number", "ROUND, FIX or FUP make it whole")
@@ -51,6 +52,7 @@ def index(value: Value) -> int:
 
 def _mod(a: float, b: float) -> float:
     """Both are rounded first, and the remainder has the sign of the dividend (B-64484EN)."""
+    # (fmod, not %: that takes the sign of the divisor)
     return math.fmod(nearest(a), nearest(b))
 
 

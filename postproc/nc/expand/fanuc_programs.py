@@ -157,6 +157,7 @@ class Source:
         before = (self.code(i) for i in range(heads[0][0] if heads else 0))
         if not heads or any(code not in ("", "%") and not DRAWS.match(code) for code in before):
             heads.insert(0, (0, -1))
+        # what stands before the first O number (%, comments) belongs to that program
         starts = [0, *(i for i, _ in heads[1:]), stop]
         return [Section(starts[k], starts[k + 1], number) for k, (_, number) in enumerate(heads)]
 
@@ -256,6 +257,7 @@ def _special(code: bytes, lines: int) -> bytearray:
     while found := SPECIAL.search(code, at):
         line += code.count(b"\n", at, found.start())
         flags[line] = 1
+        # one mark a line is enough: the search goes on in the next
         at = code.find(b"\n", found.end())
         if at < 0:
             break

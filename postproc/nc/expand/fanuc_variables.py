@@ -82,6 +82,7 @@ class Variables:
         self._decimals: dict[str, int] = {}
         self._places: dict[str, int] = {}
         axes = tracker.setup.axes
+        # #5001 is the first axis of the control, which on a lathe is X and the second Z
         self.axes = (
             list("XYZABC") if self.haas else sorted(axes, key=lambda x: (LETTERS + x).index(x))
         )
@@ -281,6 +282,8 @@ class Variables:
     def _settled(self, axis: str) -> bool:
         """Whether all that lies between the program's coordinates and the machine's is known."""
         tracker, state = self.tracker, self.tracker.state
+        # The tracker counts what is not stated as 0: only where all offsets in force are stated is
+        # its place one of the machine.
         code = tracker.code("work offset")
         known = tracker.dialect.by_number.get(code)
         name = (

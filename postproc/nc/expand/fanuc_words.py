@@ -83,6 +83,7 @@ def written(letter: str, value: float, variables: Variables, pointed: bool) -> s
         if abs(near - value) > 1e-6:
             raise Refusal(f"G{value:g} is no G code", "a G number has one decimal at most")
         return number(near, 1).removesuffix(".")
+    # G51 P1.5: a factor; elsewhere P counts
     if letter == "P" and pointed:
         return number(value, variables.decimals(letter))
     if letter == "P" and variables.haas and abs(value - round(value)) > 1e-6:
@@ -123,6 +124,7 @@ def _checked(word: Word, value: float, variables: Variables, pointed: bool) -> s
     except Refusal as wrong:
         wrong.start, wrong.stop = word.place
         raise
+    # M#1 that comes out as M98 would be a call that nothing has looked for
     if text in CALLS.get(word.letter, ()):
         raise Refusal(
             f"{word.letter}{text} as the value of an expression",

@@ -92,6 +92,7 @@ class _Run:
                 self.steps += 1
                 if self.steps > self.limits.steps:
                     raise self.limits.endless()
+                # without block delete the statement runs as any other
                 if part.text.lstrip().startswith(b"/") and self.tracker.setup.block_delete:
                     continue
                 yield from self._statement(part)
@@ -189,6 +190,7 @@ class _Run:
     def _called(self, part: _File, name: bytes) -> Iterator[Line]:
         """Another program's statements, from its BEGIN to its end."""
         plain = name.decode("latin-1").strip().strip('"').replace("\\", "/").split("/")[-1]
+        # TNC:\DIR\NAME.H: the folder is the control's own, the file lies beside the program
         stems = [plain] if "." in plain else [plain + ".h", plain + ".H", plain]
         found = next((t for s in stems if (t := self.program.library(s)) is not None), None)
         if found is None:
@@ -199,6 +201,7 @@ class _Run:
         if part.depth >= self.limits.depth:
             raise self.limits.too_deep()
         inner = Program(plain, found).lines()
+        # one program comes out: what frames the called one goes, line for line
         kept = [b"" if re.match(rb"BEGIN|END PGM|BLK", _code(t)) else t for t in inner]
         yield from self.run(kept, plain, part.depth + 1)
         self.ended = False  # M30 of a called program comes back to the calling one

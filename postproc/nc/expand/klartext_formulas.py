@@ -99,6 +99,7 @@ class Formula:
 
     def _joined(self, level: int = 0) -> float:
         """Values with operators of this level or a higher one between, from left to right."""
+        # behind the last level: powers, then signs, brackets, values
         if level == len(self.levels):
             return self._power()
         # operators of the levels above bind more and are taken first

@@ -118,6 +118,8 @@ class Block:
                     pieces.append(written(letter, value(memory), memory).encode())
                     continue
                 if isinstance(target, str):
+                    # a name that the line itself sets is worth 0 in it before: #<new>=[#<new>+1] is
+                    # 1
                     memory.declare(target)
                     named.append((target, value(memory)))
                 else:

@@ -153,6 +153,7 @@ def _within(
     return checked
 
 
+# 64 bits of mantissa: in doubles sin(30 deg) * 2 is 0.9999999999999999, and FIX of it 0
 def _of_degrees(function: Callable[[Any], Any]) -> Callable[[float], float]:
     return lambda value: float(function(np.longdouble(value) * PI / 180))
 

@@ -279,6 +279,7 @@ def _work_offset(tracker: Tracker, index: int) -> float | None:
 
 def _tool(tracker: Tracker, index: int) -> float | None:
     """#5400: the tool in the spindle; #5401 on: its offsets in the tool table, mm."""
+    # -1: not said; 0: none, whose offsets are 0
     tool = tracker.state.tool_number
     if tool < 0 or index == 5400 or tool == 0:
         return None if tool < 0 else float(tool)

@@ -191,6 +191,7 @@ class _Run:
         if to is None:
             raise self._strange(part)
         places = part.labels.get(to[1], [])
+        # which of the two the control would take is in no text that was found
         if len(places) > 1:
             raise Refusal(f"two blocks are named {to[1]}", "give one another name")
         if not places:
@@ -246,6 +247,7 @@ class _Run:
 
     def _find(self, part: _Part, name: str) -> _Part:
         """A program by its name: in the files that are open, else in one of its own."""
+        # where it stands itself, in the main program, in a file that bears its name
         for file in (part.file, "", name):
             if name in self.files.get(file, {}):
                 return self.files[file][name]

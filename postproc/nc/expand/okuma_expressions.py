@@ -125,6 +125,7 @@ class Expression(Formula):
         if len(names) < 3 or names[2] != "EMPTY" or names[1] not in ("EQ", "NE"):
             return None
         name = names[0] or ""
+        # only a local variable can be empty; nan: NOEX has set it, and nobody here knows to what
         if COMMON.fullmatch(name) or is_own(name) or math.isnan(self.parameters.get(name, 0.0)):
             raise Unset(name)
         self.at += 3

@@ -165,6 +165,7 @@ class Run:
             if jump.condition and not truth(jump.condition(scope)):
                 continue
             target = jump.target
+            # GOTOF ZIEL goes to the label ZIEL, or to the one that a string of that name holds
             if jump.computed or (
                 target in scope.variables and scope.variables[target].kind == "STRING"
             ):
@@ -185,6 +186,7 @@ class Run:
 
     def leave(self) -> None:
         """A program is at its end: again, or back behind the line that called it."""
+        # P3: two more passes, each as a frame of its own, before the caller goes on
         frame = self.frames.pop()
         if frame.passes > 1 and frame.new_scope:
             # the next pass has variables of its own, as if it were called again
@@ -330,6 +332,7 @@ class Run:
     def declare(self, scope: Scope, declaration: Declaration) -> None:
         """One variable, with its first value."""
         kind, name, right = declaration.kind, declaration.name, declaration.right
+        # () of a plain variable; sizes may be expressions, which the DEF works out when it is met
         shape = tuple(rounded(size(scope)) for size in declaration.sizes)
         count = 1
         for length in shape:
@@ -343,7 +346,7 @@ class Run:
 
     def test(self, frame: Frame, statement: Statement) -> None:
         """IF, WHILE: into it, or behind its end or its ELSE."""
-        partner = frame.source.partner(frame.at)
+        partner = frame.source.partner(frame.at)  # of IF its ELSE or ENDIF
         frame.go(frame.at, frame.at + 1 if truth(statement.parts[0](frame.scope)) else partner + 1)
 
     def to_partner(self, frame: Frame, statement: Statement) -> None:

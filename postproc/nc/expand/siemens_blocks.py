@@ -161,6 +161,8 @@ class Words(Parser):
                 start,
                 stop,
             )
+        # what is left of "=": an R parameter or variable, which goes from the line, or an address,
+        # which stays with its number
         parameter = name[0] == "R" and (name == "R" or name[1:].isdigit())
         letter = not parameter and (len(name) == 1 or name[1:].isdigit())
 
@@ -247,6 +249,7 @@ class Words(Parser):
     def free(self, entry: Entry) -> Entry:
         """The same, but a number, a string or a lone name that is no variable stays as it
         stands."""
+        # CYCLE81(RTP, ..) or POS[X]: RTP may be a variable or not, X an axis: asked when it runs
         token = TOKEN.fullmatch(self.text, entry.start, entry.stop)
         name = (token["name"] or "").upper() if token else ""
         return (

@@ -87,6 +87,7 @@ def elements(tracker: Tracker, lines: list[bytes]) -> list[Element]:
     text = b"\n".join([_head(tracker), *lines, b""])
     try:
         program = Program("the contour of CYCLE95", text)
+        # expanded once more by itself: RND and CHF in a contour become arcs and chamfers here
         plain = b"".join(Written(program, interpreter, Limits(MOST_LINES, 1)))
         words = lex(plain, dialect.grammar, tracker.setup.block_delete)
         motions = interpreter.run(words, interpreter.initial())[0]

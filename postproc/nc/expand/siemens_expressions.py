@@ -34,6 +34,8 @@ from postproc.nc.expand.siemens_values import (
 from postproc.nc.expand.siemens_words import ADDRESSES
 
 DEEPEST = 30  # parentheses and signs within each other
+# A name has two letters at least, R5 and a letter with digits (X1, an axis) apart; bits are 'H0F'
+# and 'B101'.
 TOKEN = re.compile(
     r"""[ \t]*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:EX[+-]?\d+)?)
     |(?P<name>\$\$?[A-Z_][A-Z0-9_]*|[A-Z_]{2}[A-Z0-9_]*|R[ \t]*\d+|[A-Z]\d*)
@@ -111,6 +113,7 @@ class Parser:
         try:
             sign = self.taken(*UNARY)
             if sign:
+                # signs and NOT bind most: NOT A == B is (NOT A) == B
                 operator, value = UNARY[sign], self.operand()
                 return lambda scope: operator(value(scope))
             if self.taken("("):

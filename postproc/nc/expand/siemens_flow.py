@@ -71,6 +71,7 @@ def read(text: str) -> Statement:
     if head and head[1]:
         words.piece(head.start(1), begin, lambda scope: "")
     token = words.next()
+    # Only the first word makes a control line; the same name further on is a variable, or wrong.
     keyword = (token["name"] or "").upper() if token else ""
     if token and keyword in READERS:
         words.at = token.end()
@@ -189,6 +190,8 @@ def _name(words: Words, subprogram: bool = False) -> tuple[str, int]:
     if token is None or not token["name"] or token["name"][0] == "$":
         raise words.wrong("a name is missing")
     name = "".join(token["name"].upper().split())
+    # DEF REAL R10=5 sets R10, which is there anyway (Run.declare); PROC L140 is a subprogram by
+    # number
     lawful = name[0] == "R" or (subprogram and name[0] == "L" and len(name) > 1)
     if (len(name) == 1 or name[1:].isdigit()) and not lawful:
         raise words.wrong(

@@ -122,6 +122,7 @@ class _Cut(Ways):
                 f"{self.pocket.name} finishes nothing: FAL and FALD are 0",
                 "write the allowances that roughing has left, or take the call out",
             )
+        # the wall down to what roughing has left at the bottom, and the bottom by itself behind it
         for z in self.pocket.depths(self.dp + self.fald) if self.fal else ():
             self.to("G0", z=z)
             self._wall()
@@ -144,6 +145,7 @@ class _Cut(Ways):
             self.pieces(ring.ring())
 
     def _rings(self, shape: Rounded) -> list[Rounded]:
+        # 0.8 of the diameter
         wide = self.pocket.get("MIDA") or 1.6 * self.radius
         try:
             return shape.rings(step_of(shape, min(wide, 2 * self.radius), self.radius))

@@ -57,6 +57,7 @@ class Source:
         found: dict[str, list[int]] = {}
         for i, line in enumerate(self.lines):
             mark = MARK.match(line.decode("latin-1"))
+            # N010 and N10 are the same block
             if mark and mark[1] and len(mark[1]) < 19:
                 found.setdefault(f"N{int(mark[1])}", []).append(i)
             if mark and mark[2]:
@@ -88,6 +89,7 @@ class Source:
                     found[i] = f"{keyword} without {OPENS[keyword]}"
                     continue
                 begin = opened.pop()[1]
+                # IF leads to its ELSE and ELSE to its ENDIF, loops from either end to the other
                 found[begin], found[i] = i, begin
             if keyword in CLOSES:
                 opened.append((keyword, i))

@@ -120,6 +120,7 @@ class Statement:
         # nothing went away: blanks at the end stay as they are
         if not removed:
             return code + self.text[self.code :]
+        # nothing but a block number is left: the line goes, and with it its comment
         if EMPTY_CODE.fullmatch(code):
             return None
         return code + self.text[self.code :] if self.code < len(self.text) else code.rstrip(" \t")
@@ -146,6 +147,7 @@ def filled(
 def assign(scope: Scope, target: Target, right: Right) -> None:
     """A variable or array takes what stands right of "="."""
     index = target.places(scope)
+    # FELD=SET(..) begins at the first element
     if right.kind and not index and target.name in scope.variables:
         index = [0] * len(scope.variables[target.name].shape)
     variable, place = scope.find(target.name, index)

@@ -200,6 +200,7 @@ def fitting(value: float | int) -> float | int:
 
 def equal(a: Value, b: Value) -> bool:
     """`==`: numbers that differ by less than 1e-12 of the larger one are equal."""
+    # a character against a number is its code (CHAR); strings and axes among their own kind alone
     if isinstance(a, Axis) or isinstance(b, Axis) or (isinstance(a, str) and isinstance(b, str)):
         return a == b
     a, b = _code(a), _code(b)
