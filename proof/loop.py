@@ -5,8 +5,9 @@ The true machine is the generator's: its geometry, and the effects that were hid
 programs are read by the independent interpreter of tests/reference. Nothing of the tool takes part
 but its command line.
 
-From which side an axis came is told by the commanded motion, for the map's own columns; a slide
-with dead travel follows its command as a play does, and rests until that is taken up. Sliders that
+From which side an axis came is told by the commanded motion, for the map's own columns and where
+forward lies beyond reverse; a slide with dead travel follows its command as a play does, and rests
+until that is taken up. Sliders that
 give way (windup) are followed through every commanded point.
 """
 
@@ -175,11 +176,19 @@ def sides(command: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
+def lost(command: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """(N,) um by which a slide is off its command (N,) um. Where half (N,) um of its lost motion is
+    positive, forward short of reverse, it is dead travel. Where it is negative forward lies beyond
+    reverse, as where a control takes up too much: no play does that, and the direction of the last
+    command says the side, as for the map's own columns."""
+    return np.where(half > 0, behind(command, np.maximum(half, 0.0)), -sides(command / 1e3) * half)
+
+
 def behind(command: np.ndarray, half: np.ndarray) -> np.ndarray:
     """(N,) um by which a slide is off its command (N,) um: it rests until the command is half
     (N,) um of its dead travel away, to either side. It came from below."""
     off, found = -float(half[0]), []
-    for step, most in zip(np.diff(command, prepend=command[0]), np.abs(half), strict=True):
+    for step, most in zip(np.diff(command, prepend=command[0]), half, strict=True):
         off = float(np.clip(off - step, -most, most))
         found.append(off)
     return np.array(found)
@@ -207,7 +216,7 @@ def deviation(drawn: cases.Drawn, points: np.ndarray, direction: np.ndarray) -> 
         if effect.gap is not None:
             i = XYZ.index(effect.axis)
             half = hidden.size * effect.gap(points[:, i]) / 2
-            total[:, i] += behind(points[:, i] * 1e3, half)
+            total[:, i] += lost(points[:, i] * 1e3, half)
             continue
         shift = effect.on(track)
         if shift is not None and shift.tool is not None:

@@ -95,3 +95,17 @@ def test_at_the_end_of_that_way_as_much_has_come_as_the_effect_says(spread):
         assert came == pytest.approx([1.0, 0.99])
     else:
         assert (came >= 0.89).all() and (came < 0.96).all()
+
+
+@pytest.mark.parametrize("lean_urad", [-60.0, 60.0])
+def test_an_axis_that_rests_follows_the_others_whichever_way_it_has_wound_up(tmp_path, lean_urad):
+    """X rests while Y goes 240 mm in steps, and has to give way by 14 um: it was held where it
+    turned, since what keeps its side is not moved back (13 um off, and to and fro in each block
+    where the map bends)."""
+    folder = tmp_path / "m"
+    shutil.copytree(ROOT / "machines" / "perfect", folder)
+    with open(folder / "machine.toml", "a") as file:
+        file.write(f"\n[squareness]\nC0Y = {lean_urad}\n" + WINDUP.format(6.0))
+    steps = "\n".join(f"Y{y}" for y in range(10, 250, 10))
+    verifier = verified(read_machine(folder), f"G0 X0 Y0 Z0\nG1 X20 F500\nX10\nX30\n{steps}\nM2\n")
+    assert verifier.corrected.deviation < 1.0 * UM

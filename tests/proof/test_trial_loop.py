@@ -131,3 +131,11 @@ def test_every_baseline_finds_what_it_is_made_for(backlash):
         and not baselines.gaussian_process(problem).names
     )
     assert baselines.stlsq(problem).after < nothing
+
+
+def test_lost_motion_of_the_loop_lags_where_it_is_dead_travel_and_leads_where_forward_is_beyond():
+    command = np.array([0.0, 100.0, 200.0, 199.0, 150.0, 0.0])
+    dead = loop.lost(command, np.full(6, 4.0))
+    assert dead.tolist() == [-4.0, -4.0, -4.0, -3.0, 4.0, 4.0], "a play: it rests until taken up"
+    beyond = loop.lost(command, np.full(6, -4.0))
+    assert beyond.tolist() == [4.0, 4.0, 4.0, 4.0, -4.0, -4.0], "the last command says the side"
