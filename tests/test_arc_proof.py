@@ -337,3 +337,39 @@ def test_along_a_steep_helix_the_map_turns_the_axes_of_its_plane_too(blocks):
     filter_.feed(text)
     filter_.finish()
     assert verifier.passed and verifier.corrected.deviation < 1.5 * UM, verifier.report()
+
+
+MM = TICKS_PER_MM
+WIDE = [  # centre fitted, um; least radius, mm; inside; found, um, or None
+    ((0.0, 0.0), 10.0, True, (0, 0)),
+    ((0.4, -2.6), 10.0, True, (0, -3)),  # 0.4 um too narrow at its begin: the next that fits
+    ((-2.6, 0.6), 10.0, True, (-3, 0)),  # at its end
+    ((1.5, -2.6), 10.0, True, (0, 0)),  # by more than a step: as the nominal one lies
+    ((-2.6, 1.5), 10.0, True, (0, 0)),
+    ((0.4, -2.6), 9.9, True, (0, -3)),  # there is room: the next on the grid
+    ((0.4, 0.4), 10.0, False, None),  # no arc inside compensation
+    ((0.0, 0.0), 10.02, True, None),  # nothing near is as wide
+]
+
+
+def test_centres_that_leave_the_tool_room():
+    """A quarter of 10 mm about (100, 200) mm, moved by (5, 3) mm, on a grid of 1 um: of the 25
+    centres about the fitted one the nearest from which both ends are as far as the least
+    radius."""
+    about = np.array([[105.0], [203.0]])
+    n = len(WIDE)
+    begin, end = about + [[10.0], [0.0]] * np.ones(n), about + [[0.0], [10.0]] * np.ones(n)
+    ticks = np.full(n, 10.0 * MM)
+    own = SimpleNamespace(
+        f=SimpleNamespace(
+            arcs=SimpleNamespace(radius=ticks / MM, radius_end=ticks / MM),
+            inside=np.array([inside for _, _, inside, _ in WIDE]),
+        ),
+        arc=np.arange(n), grid=np.full((2, n), MM // 1000), begin=begin, end=end,
+        unit0=np.array([[1.0], [0.0]]) * np.ones(n),
+        _least=lambda: np.array([least * MM - 0.5 for _, least, _, _ in WIDE]),
+    )  # fmt: skip
+    fitted = about + np.array([c for c, _, _, _ in WIDE]).T / 1000
+    found = prove.Proof._as_wide(own, fitted) - about
+    wanted = np.array([f or (np.nan, np.nan) for _, _, _, f in WIDE]).T / 1000
+    assert found == pytest.approx(wanted, abs=1e-9, nan_ok=True)
