@@ -37,7 +37,7 @@ from postproc.diagnose.answer import Diagnosis, Finding
 from postproc.diagnose.assembly import of
 from postproc.diagnose.block import Block
 from postproc.diagnose.evidence import Evidence, Fit
-from postproc.diagnose.explained import scatter, shares
+from postproc.diagnose.explained import of_others, scatter, shares
 from postproc.diagnose.jumps import without
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
@@ -110,6 +110,8 @@ def diagnose(
     # Anew, from what is usual: what a search carried from set to set depends on its way there.
     last = evidence.learn(state.fit.chosen, None, state.fit.on, STEPS)
     said = shares(evidence, last)
+    scattered = of_others(scatter(evidence, last, said), rows, evidence)
+    said["noise"] = of_others(said["noise"], rows, evidence)
     # Without a name wander would grow to say what the names say: it stays as it usually is
     # (steps=0), and the map's error is the same on both sides, so that before and after differ by
     # the names.
@@ -160,7 +162,7 @@ def diagnose(
             *_leaning(rows, evidence, found),
         ],
         disagreements=map_agreement.remaining(disagreements, rows, machine, _formed(rows, found)),
-        scatter=scatter(evidence, last, said),
+        scatter=scattered,
     )
     diagnosis.unknown = judge.judged(diagnosis, search.sets, state)
     diagnosis.drives = driven

@@ -9,6 +9,7 @@ from postproc.diagnose.evidence import Evidence, Fit
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE
 from postproc.diagnose.parts import inverted
+from postproc.diagnose.rows import Rows
 
 GROWN = 4.0  # times what is usual
 
@@ -41,6 +42,25 @@ def shares(evidence: Evidence, fit: Fit) -> dict[str, np.ndarray]:
             if kind in ("wander", "run"):
                 variance = variance + old.sd[g] ** 2 * np.einsum("ij,ij->i", columns, columns)
         result["noise"][own] = np.sqrt(variance)
+    return result
+
+
+def of_others(values: np.ndarray, rows: Rows, evidence: Evidence) -> np.ndarray:
+    """(N,) mm: noise, and of units of which no reading took part that of others: of the same signal
+    in other recordings, else of what sees the same, else of all (the median)."""
+    took_part = np.zeros(len(rows), bool)
+    for part in evidence.parts:
+        took_part[part.whole.rows] = True
+    result, name = values.copy(), np.array([rows.signals[k] for k in rows.signal], object)
+    for signal in np.unique(rows.signal[~took_part]):
+        own = (rows.signal == signal) & ~took_part
+        first = int(np.flatnonzero(own)[0])
+        alike = (
+            took_part & (name == name[first]),
+            took_part & (rows.sees == rows.sees[first]),
+            took_part,
+        )
+        result[own] = np.median(values[next((x for x in alike if x.any()), own)])
     return result
 
 

@@ -28,14 +28,16 @@ least_increment = 0.001
 HEAD = '# format = "gcomp-recording/1"\n# kind = "{}"\n# machine = "router"\n# instrument = "{}"\n'
 
 
-def diagnosed(folder: Path, *texts: str, machine: str = MACHINE) -> dict:
+def diagnosed(
+    folder: Path, *texts: str, machine: str = MACHINE, options: tuple[str, ...] = ()
+) -> dict:
     """The answer to recordings together."""
     (folder / "machine").mkdir(parents=True)
     (folder / "machine" / "machine.toml").write_text(machine)
     files = [folder / f"r{k}.csv" for k in range(len(texts))]
     for file, text in zip(files, texts, strict=True):
         file.write_text(text)
-    words = ["diagnose", *map(str, files), "--machine", str(folder / "machine")]
+    words = ["diagnose", *map(str, files), "--machine", str(folder / "machine"), *options]
     assert main([*words, "--json", str(folder / "a.json"), "--quiet"]) == 0
     answer: dict = json.loads((folder / "a.json").read_text())
     return answer
