@@ -25,7 +25,6 @@ from postproc.compensate import (
     threads,
 )
 from postproc.compensate.batch import Batch, written_centre
-from postproc.compensate.known import known
 from postproc.compensate.settings import Carry, Options, Settings
 from postproc.errors import MachineError, MotionFault, Notice
 from postproc.machine import growth, poses, seen
@@ -105,7 +104,7 @@ class Compensator(Settings):
         places = [0, *(np.flatnonzero(edges) + 1).tolist(), len(motions)]
         for first, stop in pairwise(places):
             heat = tuple(motions.heat[:, first].tolist()) if len(motions.heat) else ()
-            if not long[first] or not self._corrects(motions.part(first, stop)):
+            if not long[first]:
                 yield first, stop, WHOLE, heat
                 continue
             begin = 0.0
@@ -113,11 +112,6 @@ class Compensator(Settings):
                 end = float(spells.until[k])
                 yield first, stop, (begin, end), tuple(spells.heat[:, k].tolist())
                 begin = end
-
-    def _corrects(self, one: Motions) -> bool:
-        """Whether this motion is corrected at all: one that is not stays as it is written."""
-        places = known(self.machine, one)
-        return bool((places.end & places.start & ~places.idle)[0])
 
     def _beside(self, carry: Carry, space: Space | None, one: Motions) -> Space | None:
         """A space of polar interpolation with how far Y was led beside its nominal place before;
