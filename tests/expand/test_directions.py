@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import random
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,8 +24,9 @@ OFFSETS = {"G54": {}, "H1": {"Z": 100.0}}
 START = dict.fromkeys(MACHINE.letters, 0.0)
 
 
-def plain(program: str, offsets=OFFSETS, start=START) -> list[str]:
-    interpreter = Interpreter(dialects.load("fanuc-mill"), setup_of(MACHINE, offsets, start))
+def plain(program: str, offsets=OFFSETS, start=START, integers="") -> list[str]:
+    setup = replace(setup_of(MACHINE, offsets, start), integers=integers)
+    interpreter = Interpreter(dialects.load("fanuc-mill"), setup)
     text = ("G90 G54|" + program + "|M30|").replace("|", "\n").encode()
     return (
         b"".join(Written(Program("part.nc", text), interpreter, Limits()))
@@ -91,6 +93,18 @@ def test_the_tool_has_the_direction_that_is_written(seed):
 def test_what_is_not_followed_is_refused(program, message):
     with pytest.raises(ProgramError, match=message):
         plain("G0 A0. C0.|" + program)
+
+
+def test_components_that_count_increments_are_written_alike():
+    """K1 of 0.001 beside I.001 is 45 degrees, and beside I1. none to speak of."""
+    program = "G0 A0. C90.|G43.5 H1 P0|G1 X1. {} F100."
+    counted = {"integers": "least increments"}
+    alike = [plain(program.format(words), **counted)[-1] for words in ("J1. K1.", "J1 K1", "J7 K7")]
+    assert alike == ["G1 X1. A-45. F100."] * 3
+    assert plain(program.format("I0 J0.5 K.5"), **counted)[-1] == alike[0]
+    with pytest.raises(ProgramError, match=r"K1 of a direction has no decimal point"):
+        plain(program.format("J1. K1"), **counted)
+    assert plain(program.format("J1. K1"))[-1] == alike[0]
 
 
 def test_where_the_tool_turns_from_must_be_known():

@@ -41,6 +41,7 @@ NOSE = (40, 41, 42)
 OWN = "XZIKGRA"  # words of a shape's block that its element is made of
 BESIDE = "FSEN"
 LENGTHS = ("D", "DA", "DB", "U", "XA", "XB")  # diameters
+LENGTHS_Z = ("W", "ZA", "ZB")
 NAME = re.compile(rb"(/?[ \t]*)N[A-Z][A-Z0-9]{0,3}(?=[ \t(\r]|$)[ \t]*", re.IGNORECASE)
 
 
@@ -170,14 +171,22 @@ class LatheBlocks(Before):
 
     def _called(self, code: bytes, called: re.Match[bytes], file: str) -> list[bytes]:
         number = int(called[1])
-        values = {k.upper().decode(): float(v) for k, v in WORDS.findall(code[called.end() :])}
+        values = {}
+        for found in WORDS.finditer(code, called.end()):
+            letter, raw = found[1].decode(), found[2].decode()
+            word = Word(letter, float(raw), raw, *found.span())
+            along_x = letter in LENGTHS
+            length = along_x or letter in LENGTHS_Z
+            values[letter] = (
+                self.scene.length(word, "X" if along_x else "Z") if length else float(raw)
+            )
         made = self._shape(called[2], file)
         return self.lap.lines(10 * number, made, self._call(values, code))
 
     def _call(self, values: dict[str, float], code: bytes) -> Call:
         """The words of a call, lengths along X as radii."""
         half = self.scene.double("X")
-        strange = set(values) - {*LENGTHS, "G", "W", "F", "FA", "FB", "ZA", "ZB", "M"}
+        strange = set(values) - {*LENGTHS, *LENGTHS_Z, "G", "F", "FA", "FB", "M"}
         if strange:
             raise self.scene.fault(
                 f"{min(strange)} in the call of a shape: that is no word of it",
@@ -296,9 +305,9 @@ def _beside(block: Block) -> bytes:
 
 def _centre(scene: Scene, motion: int, start: Point, end: Point, word: Word) -> Point:
     """Of the arc below a half circle."""
-    radius = abs(word.value or 0.0)
+    radius = abs(scene.length(word, "X"))
     chord = math.dist(start, end)
-    if chord == 0 or chord / 2 > radius + 1e-3:
+    if chord == 0 or chord / 2 > radius + scene.dialect.radius_tolerance_mm / scene.unit:
         raise scene.fault(
             f"L{word.raw} is too short for an arc over {chord:.4f}",
             "check L and the end point",

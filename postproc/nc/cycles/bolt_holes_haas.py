@@ -97,13 +97,8 @@ class BoltHoles(Before):
         for letter in "IJL" if code == CIRCLE else "IJKL":
             if block.get(letter) is None:
                 raise scene.fault(f"{name} without {letter}", f"write {letter} and its number")
-        angle = next((w for w in block.words if w.letter in "JK" and "." not in w.raw), None)
-        if angle and angle.value and scene.tracker.counts:
-            raise scene.fault(
-                f"the angle {angle.letter}{angle.raw} has no decimal point",
-                f"lengths without one count least increments here: write {angle.raw}.",
-                angle,
-            )
+        for angle in (w for w in block.words if w.letter in "JK"):
+            scene.angle(angle)
         count = block.get("L") or 0
         if count != int(count) or not 1 <= count <= MOST_HOLES:
             raise scene.fault(

@@ -102,16 +102,16 @@ class FanucCorners(Corners):
 
     def _by_angle(self, block: Block, names: tuple[str, ...]) -> bytes:
         """The word of the coordinate that an angle A stands for, or none. Raises ProgramError."""
-        angle = block.get("A") if "A" in self.letters else None
+        word = block.word("A") if "A" in self.letters else None
         missing = [x for x in names if not any(w.letter in self._own(x) for w in block.words)]
-        if angle is None or not missing:
+        if word is None or not missing:
             return b""
         # A line that is held back has not left yet: the tracker still stands at its start.
         scene, start = self.scene, self.held.end if self.held else self._here(names)
         end = self._end(block, names, start)
         (axis,) = missing
         place = [None if x == axis else end[k] for k, x in enumerate(names)]
-        at = on_line(scene, start, angle, place[0], place[1])[names.index(axis)]
+        at = on_line(scene, start, scene.angle(word), place[0], place[1])[names.index(axis)]
         if self._distances(block):
             at -= start[names.index(axis)]
         return scene.text(axis, at * scene.double(axis))

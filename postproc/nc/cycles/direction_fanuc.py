@@ -49,11 +49,24 @@ class ToolDirections(Directions):
         vector = self.vector(block)
         if not self.on or vector is None:
             return [block.text]
+        self._alike(block)
         if self.scene.code_of(block, "motion") in (CLOCKWISE, COUNTER):
             raise self.scene.fault(
                 "an arc under G43.5, whose I J K could be a centre or a direction", BY_CAM
             )
         return [self.directed(block, vector)]
+
+    def _alike(self, block: Block) -> None:
+        """Raises ProgramError where some components have a decimal point and others have none: only
+        their ratios matter, so that one way or the other is understood, a mixture not."""
+        given = [w for w in block.words if w.letter in self.letters and w.value]
+        bare = next((w for w in given if "." not in w.raw), None)
+        if self.scene.tracker.counts and bare and any("." in w.raw for w in given):
+            raise self.scene.fault(
+                f"{bare.letter}{bare.raw} of a direction has no decimal point, and others have one",
+                "write I J K alike",
+                bare,
+            )
 
     def _begin(self, block: Block) -> bytes:
         """G43.5 as G43.4."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.drilling import KIND, WORDS, Job, bore
 from postproc.nc.cycles.drilling_fanuc import HAAS_PECKS, MILL, SHIFT, HaasDrilling
 from postproc.nc.cycles.scene import Scene
@@ -47,4 +47,6 @@ class FadalDrilling(HaasDrilling):
         job = super().job(scene, block, code)
         if code not in self.pecking or not self.p:
             return job
-        return replace(job, hole=replace(job.hole, retract=float(self.p)))
+        # A distance here, where it is a time in other cycles.
+        before = scene.length(Word("P", float(self.p), self.p, 0, 0), job.hole.axis)
+        return replace(job, hole=replace(job.hole, retract=before))

@@ -53,8 +53,8 @@ class LiveDrilling(Cycle):
         for word in block.words:
             if word.letter in WORDS:
                 axis = {"I": "X", "K": "Z"}.get(word.letter, word.letter)
-                held = scene.length(word, axis) if axis in "XYZ" else word.value
-                self.held[word.letter] = held or 0.0
+                held = word.value or 0.0 if axis == "E" else scene.length(word, axis)
+                self.held[word.letter] = held
         m = Moves(scene, own_words(block, "".join(WORDS | AROUND), {code}))
         # G181 with shifts alone makes no hole: the words are kept for the places behind it.
         if not self.wants(scene, block):

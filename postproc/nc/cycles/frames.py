@@ -181,7 +181,7 @@ class Frames:
         return {x: self._by(x, q[x] - old[x]) for x in mixed}
 
     def _distances(self, mixed: tuple[str, ...], words: dict[str, Word]) -> dict[str, bytes]:
-        by = point({x: w.value for x, w in words.items()})
+        by = point({x: self.scene.length(w, x) for x, w in words.items()})
         out = dict(zip(AXES, self.map.turned(by), strict=True))
         for x in mixed:
             if x in self.at:

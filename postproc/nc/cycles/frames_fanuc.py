@@ -246,13 +246,7 @@ class FanucFrames(FrameControl):
                 "G68 without its angle R",
                 "the control takes it from a parameter or a setting: write R",
             )
-        if scene.tracker.counts and angle.value and "." not in angle.raw:
-            raise scene.fault(
-                f"the angle R{angle.raw} has no decimal point",
-                f"lengths without one count least increments here: write R{angle.raw}.",
-                angle,
-            )
-        return angle.value
+        return scene.angle(angle)
 
     def _no_turn(self, block: Block) -> None:
         if self.turn is None:

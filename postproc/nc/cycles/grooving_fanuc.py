@@ -139,7 +139,7 @@ class Grooving(Cycle):
         word = block.word("R")
         if word is None:
             raise scene.fault(f"G{code / 10:g} without X and Z", "name where it ends")
-        self.escape = scene.length(word, "X")
+        self.escape = scene.length(word, self.deep)
 
     @staticmethod
     def _step(scene: Scene, block: Block, axis: str) -> float:
@@ -186,7 +186,7 @@ def steps(scene: Scene, start: float, end: float, by: float) -> list[float]:
     if count > MOST_STEPS:
         raise scene.fault(
             f"{count:,} steps of {by:g} (limit {MOST_STEPS:,})",
-            "check them: P and Q count least increments",
+            "check them: a number without a decimal point may count least increments",
         )
     sense = 1 if end > start else -1
     places = [start + sense * by * k for k in range(count + 1)]

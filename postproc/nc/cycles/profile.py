@@ -223,7 +223,8 @@ def shape(scene: Scene, profile: Profile, start: tuple[float, float], motion: in
         arc, angle, corner = motion in (CLOCKWISE, COUNTER), None, None
         _known(scene, block, arc)
         if not arc:
-            angle = block.get("A") if drawing_fanuc.bare(scene, "A") else None
+            word = block.word("A") if drawing_fanuc.bare(scene, "A") else None
+            angle = None if word is None else scene.angle(word)
             corner = drawing_fanuc.corner_of(scene, block, profile.corners.get(row))
         place = _place(scene, block, here, incremental)
         # Of two lines by two angles the first has no end of its own: it waits for the second.
@@ -322,10 +323,10 @@ def _arc(scene: Scene, block: Block, element: Element) -> Element:
         centre = (z0 + scene.length_in(block, "K", "Z"), x0 + scene.length_in(block, "I", "X"))
         return replace(element, words=words, centre=centre)
     r, chord = scene.length(radius, "X"), math.dist(element.start, element.end)
-    if chord / 2 > abs(r) + 1e-3:
+    if chord / 2 > abs(r) + scene.dialect.radius_tolerance_mm / scene.unit:
         raise scene.fault(
-            f"R{radius.raw} is too short for an arc of the shape over {chord:.4f}",
-            "check R and the end point",
+            f"a radius of {radius.raw} is too short for an arc of the shape over {chord:.4f}",
+            "check the radius and the end point",
         )
     centre = centre_of(element.start, element.end, r, element.piece.turn)
     return replace(element, words=words, centre=centre)

@@ -19,6 +19,7 @@ CLOCKWISE, COUNTER = 20, 30
 DIAM90 = "DIAM90"
 # first and second axis, and the one across
 PLANES = {170: ("X", "Y", "Z"), 180: ("Z", "X", "Y"), 190: ("Y", "Z", "X")}
+LINEAR = "XYZUVW"
 CENTRES = {"X": "I", "Y": "J", "Z": "K"}
 # how far lines may leave a curve where it is not stated: a least increment of most controls
 CHORD_MM = 0.001
@@ -298,7 +299,8 @@ class Scene:
             return value
         own = self.tracker.dialect.counts
         least = own or self.tracker.setup.least_increment.get(axis, 1e-3)
-        return value * least / (10 if self.inch else 1)  # a control with 0.001 mm has 0.0001 inch
+        # A control with 0.001 mm has 0.0001 inch; degrees are the same in both.
+        return value * least / (10 if self.inch and axis in LINEAR else 1)
 
     def tool_radius(self, name: str, block: Block) -> float:
         """The radius that D of a block names, program's unit. Raises ProgramError."""
@@ -317,9 +319,21 @@ class Scene:
         )
 
     def degrees(self, word: Word) -> float:
-        """An angle; without a point it may count thousandths of a degree."""
+        """An angle in an axis' word; without a point it may count thousandths of a degree."""
         whole = self.tracker.counts and "." not in word.raw
         return (word.value or 0.0) * (1e-3 if whole else 1.0)
+
+    def angle(self, word: Word) -> float:
+        """Degrees of a word that is no axis'. Raises ProgramError where it has no point and lengths
+        without one count least increments: of what size those of an angle are is a parameter
+        (Fanuc 15i B-63324EN, "Coordinate system rotation": 0.001 or 0.00001 degrees, RTR)."""
+        if self.tracker.counts and word.value and "." not in word.raw:
+            raise self.fault(
+                f"the angle {word.letter}{word.raw} has no decimal point",
+                f"lengths without one count least increments here: write {word.letter}{word.raw}.",
+                word if word in self.block.words else None,
+            )
+        return word.value or 0.0
 
     # -- notices and errors ------------------------------------------------------------------------
 

@@ -231,7 +231,7 @@ class Repetitive(Cycle):
                 kept[word.letter] = (
                     word.value
                     if role == "repeat" and word.letter == "R"
-                    else scene.length(word, "X")
+                    else scene.length(word, "Z" if word.letter == "W" else "X")
                 )
 
     # -- G71 G72 -----------------------------------------------------------------------------------
@@ -246,7 +246,8 @@ class Repetitive(Cycle):
         escape = self.held.get(role, {}).get("R", RETRACT[scene.inch])
         if depth < 0:
             raise scene.fault(
-                f"{letter} {depth:g} as the depth of a cut", "a depth has no sign: write it above 0"
+                f"{word.letter if word else letter} {depth:g} as the depth of a cut",
+                "a depth has no sign: write it above 0",
             )
         if depth == 0:
             raise scene.fault(
@@ -286,21 +287,20 @@ class Repetitive(Cycle):
     def _repeat(self, block: Block, way: Way, nose: str) -> None:
         """The whole shape, nearer each time."""
         scene, kept = way.pen.scene, self.held.get("repeat", {})
-        words = [block.get(x) for x in "IKD"]
-        x, z, times = (
-            w if w is not None else kept.get(c) for w, c in zip(words, "UWR", strict=True)
-        )
+        x = scene.length_in(block, "I", "X", kept.get("U", 0.0))
+        z = scene.length_in(block, "K", "Z", kept.get("W", 0.0))
+        times = kept.get("R") if (d := block.word("D")) is None else d.value
         if times is None or times != int(times) or not 1 <= times <= MOST_PASSES:
             raise scene.fault(
                 "how often the shape is cut is not in the program",
-                "write R in the block before: a whole number",
+                "write D here, or R in the block before: a whole number",
             )
         for k in range(int(times)):
             #   k = 0       the shape, moved by U and W of the first block and by the allowance
             #   ...         evenly nearer
             #   k = R - 1   the shape, moved by the allowance alone
             share = (times - 1 - k) / (times - 1) if times > 1 else 0.0
-            by = (way.allowance[0] + share * (z or 0.0), way.allowance[1] + share * (x or 0.0))
+            by = (way.allowance[0] + share * z, way.allowance[1] + share * x)
             way.pen.to("G0", (way.start[0] + by[0], way.start[1] + by[1]))
             for n, e in enumerate(way.elements):
                 way.pen.element(e.moved(by), "" if n else nose)
