@@ -12,10 +12,10 @@ from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
+from postproc.nc.expand.siemens_modal import code_of, feed_of
 
 NUMBER = rb"[ \t]*([0-9]*\.?[0-9]+)"
 FOR_ONE_BLOCK = re.compile(rb"(?<![A-Za-z0-9_])FB[ \t]*=" + NUMBER, re.IGNORECASE)
-FEED = re.compile(rb"(?<![A-Za-z0-9_])F[ \t]*=?" + NUMBER + rb"(?![A-Za-z_])", re.IGNORECASE)
 
 
 class BlockFeed(Before):
@@ -32,14 +32,14 @@ class BlockFeed(Before):
 
     def take(self, line: Line) -> list[Line]:
         """The line, and F before it. Raises ProgramError."""
-        code = line.text.partition(b";")[0]
+        code = code_of(line.text)
         if self.scene.passes(line.text) or not code.strip():
             return [line]
         #  N1 G1 X10 F200     N1 G1 X10 F200
         #  N2 X20 FB=50       N2 X20 F50
         #  N3 X30             F200, and N3 X30: the feed that held before is due
         own = FOR_ONE_BLOCK.search(code)
-        feed = FEED.search(code)
+        feed = feed_of(code)
         before: list[Line] = []
         if self.due and not own and not feed:
             if not self.feed:
@@ -52,5 +52,5 @@ class BlockFeed(Before):
         if own is not None:
             new = line.text[: own.start()] + b"F" + own[1] + line.text[own.end() :]
             return [line._replace(text=new)]
-        self.feed = feed[1] if feed else self.feed
+        self.feed = feed or self.feed
         return [*before, line]

@@ -18,12 +18,13 @@ import re
 from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.klartext_corners import Corners, Held
+from postproc.nc.cycles.klartext_lines import without_own_feed
 from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.pole_arc import Point
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
 
-CHAMFER, ROUNDING, FEED, CALLED = 240, 250, 10, 99
+CHAMFER, ROUNDING, FEED, DWELL, CALLED = 240, 250, 10, 40, 99
 NAMES = {CHAMFER: "G24", ROUNDING: "G25"}
 ACROSS = "ZABCUVWIJKHRLQ"  # in a line that leaves the plane, or is none
 CORNER = re.compile(rb"(?<![A-Z])G[ \t]*0*2[45](?![0-9.])", re.IGNORECASE)
@@ -66,24 +67,35 @@ class IsoCorners(Before):
         if names:
             self._define(block, names[0])
             return []
-        straight = self._straight(block)
+        straight, feed = self._straight(block), self._feed(block)
         if self.corner is None:
             lines = self.finish()
         elif straight:
             own = self.corner[2]
             lines = self._cornered(block)
             # F of the corner holds in the corner alone, but as a written-out word it would go on.
-            if own and block.word("F") is None:
-                line = line._replace(text=block.written(set(), b"F" + self.feed) + b"*")
+            if own and not feed:
+                line = line._replace(text=self._fed(block) + b"*")
         else:
             raise self._beside(self.corner[0])
-        if feed := block.word("F"):
-            self.feed = feed.raw.encode()
+        self.feed = feed or self.feed
         scene.block = block
         if not (straight and self._has_corner()):
             return [*lines, line]
         self.held = line, block
         return lines
+
+    def _feed(self, block: Block) -> bytes:
+        """The feed that a block names, b"": none, or the time of a dwell."""
+        code = without_own_feed(block.text)
+        word = block.word("F")
+        named = word is not None and word.start < len(code) and DWELL not in block.codes
+        return word.raw.encode() if word and named else b""
+
+    def _fed(self, block: Block) -> bytes:
+        """A block with the feed in force, in front of M103, which has an F of its own behind it."""
+        machine = (i for i, w in enumerate(block.words) if w.letter == "M")
+        return block.written(set(), b"F" + self.feed, next(machine, len(block.words)))
 
     def _has_corner(self) -> bool:
         """Whether a corner stands behind the line at hand."""

@@ -16,6 +16,7 @@ from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.klartext_bore import DELTA, Tool
 from postproc.nc.cycles.klartext_called import called
 from postproc.nc.cycles.klartext_holes import Holes
+from postproc.nc.cycles.klartext_lines import without_own_feed
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
 
@@ -24,6 +25,7 @@ DEFINED = re.compile(rb"(?<![A-Z])G[ \t]*(2[0-9]{2})(?![0-9])")
 DATUM = re.compile(rb"(?<![A-Z])Q([0-9]+)[ \t]*=[ \t]*([-+]?[0-9]*\.?[0-9]+)")
 CALLED = re.compile(rb"[ \t]*(?<![A-Z])(?:G[ \t]*79|M[ \t]*0*99)(?![0-9])")
 FEED = re.compile(rb"(?<![A-Z])F[ \t]*([0-9]*\.?[0-9]+)")
+DWELL = re.compile(rb"(?<![A-Z])G[ \t]*0*4(?![0-9])")  # its F is a time
 NUMBER = re.compile(rb"[ \t]*(?:/[ \t]*)?(?:N[ \t]*[0-9]+[ \t]*)?")
 TOOL = re.compile(rb"(?<![A-Z])T[ \t]*([0-9]+)")
 RADIUS = re.compile(rb"(?<![A-Z])R[ \t]*([+]?[0-9]*\.?[0-9]+)")
@@ -57,8 +59,9 @@ class IsoHoles(Before):
         self._note(code)
         for motion in MOTION.findall(code):
             self.motion = int(motion)
-        feed = FEED.search(code)
-        self.feed = feed[1] if feed else self.feed
+        feed = FEED.search(without_own_feed(code))
+        if feed and not DWELL.search(code):
+            self.feed = feed[1]
         if not CALLED.search(code):
             return [line]
         self._may_be_called()

@@ -1,13 +1,22 @@
-"""The statements L that a cycle of Heidenhain Klartext becomes."""
+"""The statements L that a cycle of Heidenhain Klartext becomes, and the feed that a block says."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 
 from postproc.nc.cycles.pole_arc import Point
 from postproc.nc.cycles.scene import Scene
 
 FAST = b" FMAX"
+OWN_FEED = re.compile(rb"(?<![A-Z])M[ \t]*0*(?:103|128|140)(?![0-9]).*", re.DOTALL | re.IGNORECASE)
+
+
+def without_own_feed(code: bytes) -> bytes:
+    """A block up to an M function with an F of its own: a percentage (M103), the highest feed of
+    compensating motions (M128), that of the way back (M140). HEIDENHAIN TNC 640 user's manual,
+    "Miscellaneous functions for path behavior": L X+20 Y+20 RL F500 M103 F20."""
+    return OWN_FEED.sub(b"", code) if b"M" in code.upper() else code
 
 
 def signed(scene: Scene, axis: str, value: float) -> bytes:

@@ -20,7 +20,7 @@ from postproc.nc.cycles.klartext_called import called
 from postproc.nc.cycles.klartext_corners import BETWEEN, Corners
 from postproc.nc.cycles.klartext_holes import Holes
 from postproc.nc.cycles.klartext_join import Joined
-from postproc.nc.cycles.klartext_lines import FAST, places, signed
+from postproc.nc.cycles.klartext_lines import FAST, places, signed, without_own_feed
 from postproc.nc.cycles.klartext_patterns import points
 from postproc.nc.cycles.klartext_tangent import Heading
 from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
@@ -210,7 +210,7 @@ class KlartextPaths(Before):
     def _fed(self, kind: bytes, code: bytes) -> list[bytes]:
         """A straight line or a tool call: the feed that holds from there on, and the program's own
         again behind what a cycle fed with."""
-        feed = FEED.search(code)
+        feed = FEED.search(without_own_feed(code))
         if feed is not None and feed[1] != b"MAX":
             self.feed, self.due = b"F" + feed[1], False
         elif feed is None and self.due and kind == b"L" and WORD.search(SIDES.sub(b"", code)):

@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
+from postproc.nc.codes import code_number
 from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_values import Value
 from postproc.nc.expand.tracker import Tracker
+
+DIAM90 = code_number("DIAM90")
+
+
+def in_diameters(tracker: Tracker, axes: Iterable[str]) -> bool:
+    """Whether places of one of these axes are diameters."""
+    half = tracker.code("diameter") == DIAM90
+    return any(tracker.is_diameter(axis) or (half and axis == "X") for axis in axes)
 
 
 def by_name(

@@ -20,7 +20,8 @@ import re
 from collections.abc import Callable, Iterator
 
 from postproc.nc.expand import Refusal
-from postproc.nc.expand.siemens_cycle import Cycle
+from postproc.nc.expand.siemens_cycle import Cycle, in_diameters
+from postproc.nc.expand.siemens_modal import code_of
 from postproc.nc.expand.tracker import Tracker, number
 
 AXIS = {170: "Z", 180: "Y", 190: "X"}
@@ -39,14 +40,11 @@ STILL = re.compile(
     rb"(?<![A-Z_])(?:A?TRANS|A?ROT|A?SCALE|A?MIRROR|G0*(?:4|25|26|110|111|112|74|75))(?![A-Z0-9])",
     re.IGNORECASE,
 )
-FEED = re.compile(rb"(?<![A-Z_0-9])F[ \t]*=?[ \t]*([0-9]*\.?[0-9]+)", re.IGNORECASE)
-
-SPEED = re.compile(rb"(?<![A-Z_0-9])S[ \t]*=?[ \t]*([0-9]*\.?[0-9]+)", re.IGNORECASE)
 
 
 def moves(line: bytes) -> bool:
     """Whether a plain line moves an axis by its own words."""
-    code = line.split(b";")[0]
+    code = code_of(line)
     return bool(MOVES.search(code)) and not STILL.search(code)
 
 
@@ -65,10 +63,13 @@ class Drilling(Cycle):
 
     words = NAMES
 
-    @staticmethod
-    def axis(tracker: Tracker) -> str:
-        """The axis of the hole."""
-        return AXIS[tracker.code("plane")]
+    def axis(self, tracker: Tracker) -> str:
+        """The axis of the hole. Raises Refusal where its places are diameters: whether the cycle's
+        planes and clearances are then is in no manual that was found."""
+        axis = AXIS[tracker.code("plane")]
+        if in_diameters(tracker, axis):
+            raise Refusal(f"{self.name} along {axis} in diameters", "write DIAMOF before it")
+        return axis
 
     @staticmethod
     def _to(tracker: Tracker, axis: str) -> Callable[[float], bytes]:

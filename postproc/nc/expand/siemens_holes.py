@@ -10,10 +10,11 @@ from collections.abc import Callable, Iterator, Sequence
 from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_boring import Boring
 from postproc.nc.expand.siemens_cycle import Cycle
-from postproc.nc.expand.siemens_drilling import FEED, SPEED, Drilling, moves
+from postproc.nc.expand.siemens_drilling import Drilling, moves
 from postproc.nc.expand.siemens_face import Face
 from postproc.nc.expand.siemens_frames import Frame
 from postproc.nc.expand.siemens_kept import THREADS, Tapping, Thread
+from postproc.nc.expand.siemens_modal import code_of, feed_of, speed_of
 from postproc.nc.expand.siemens_patterns import Pattern
 from postproc.nc.expand.siemens_pockets import Pocket
 from postproc.nc.expand.siemens_removal import NAME as REMOVAL
@@ -65,12 +66,12 @@ class Holes:
         """The plain lines behind a line that has left. own: it is one of the program. Raises
         Refusal."""
         if own:
-            code = text.split(b";")[0]
+            code = code_of(text)
             letters = code.upper()
             if b"F" in letters:
-                self.feed = next((f[1] for f in FEED.finditer(code)), self.feed)
+                self.feed = feed_of(code) or self.feed
             if b"S" in letters:
-                self.speed = next((s[1] for s in SPEED.finditer(code)), self.speed)
+                self.speed = speed_of(code) or self.speed
             if b"M" in letters:
                 self.sense = next((7 - 2 * int(m[1]) for m in SPINDLE.finditer(code)), self.sense)
         hole, self.called = self.called, None
