@@ -30,9 +30,11 @@ SETUP = Setup(
 )
 
 
-def plain(program: str, files: dict[str, str] | None = None, scaling: str = "") -> list[str]:
+def plain(
+    program: str, files: dict[str, str] | None = None, scaling: str = "", unit: str = "MM"
+) -> list[str]:
     """The statements between BEGIN and END."""
-    text = "\n".join(["BEGIN PGM A MM", *program.split("|"), "END PGM A MM", ""]).encode()
+    text = "\n".join([f"BEGIN PGM A {unit}", *program.split("|"), f"END PGM A {unit}", ""]).encode()
     library = {name: t.replace("|", "\n").encode() for name, t in (files or {}).items()}
     written = Written(
         Program("a.h", text, library.get),
@@ -557,3 +559,14 @@ def test_decimal_commas_are_points_and_those_of_names_and_remarks_stay():
     lines = plain('Q1 = 0,5 + 1|TOOL CALL "A1,5" Z S100|L X+1,5 Y+Q1 F90,5 ; 1,5|L IX+0,25')
     assert lines == ["Q1 = 0.5 + 1", 'TOOL CALL "A1,5" Z S100', "L X+1.5 Y+1.5 F90.5 ; 1,5",
                      "L IX+0.25"]  # fmt: skip
+
+
+@pytest.mark.parametrize(("unit", "mm"), [("MM", 1.0), ("INCH", 25.4)])
+def test_a_radius_may_be_too_short_by_as_much_in_inches(unit, mm):
+    """The ends lie 1 apart: R 0.5 less 0.015 mm is taken as half of that, less 0.017 mm is not
+    (0.016 mm, MP7431)."""
+    program = "L X+0 Y+0 Z+1 R0 F100|CR X+1 Y+0 R+{:.6f} DR+"
+    assert plain(program.format(0.5 - 0.015 / mm), unit=unit)
+    for short in (0.017, 0.254):
+        with pytest.raises(ProgramError, match="makes no arc to a place 1 away"):
+            plain(program.format(0.5 - short / mm), unit=unit)

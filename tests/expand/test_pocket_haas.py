@@ -274,3 +274,13 @@ def test_where_two_circles_meet_by_hand(centre, radius, met):
     other = Piece(1, (centre + radius, 0.0), (centre - radius, 0.0), (centre, 0.0))
     found = {(round(x, 9), round(y, 9)) for x, y in pocket_path._circles(one, other)}
     assert found == {(x, y + 0.0) for x, y in met}
+
+
+def test_an_arc_in_inches_that_misses_its_end_by_20_micrometres_is_refused():
+    """0.0008 inch; the control takes 0.01 mm."""
+    shape = "G1 Y2.5|X-2.|G3 X-2.5{} Y2. J-.5|G1 Y-2.5|X2.5|Y2.5|X0."
+    head = HEAD.replace("G21", "G20").replace("37.5", "1.5").replace("25.", "1.")
+    call = CALL.format(7, ".4", ".01").replace("R1.", "R.1").replace("-2. Q2.", "-.1 Q.2")
+    assert written(part(shape.format(""), call, head))
+    with pytest.raises(ProgramError, match="misses its own end"):
+        written(part(shape.format("008"), call, head))

@@ -50,7 +50,9 @@ def lines(
     turn = 1.0 if motion == COUNTER else -1.0
     at, end = (start[first], start[second]), (to[first], to[second])
     if centre is None:
-        arc = by_radius(scene, at, end, _radius(scene, words, first), turn)
+        radius = _radius(scene, words)
+        name = radius.letter + "=" * (len(radius.letter) > 1)
+        arc = by_radius(scene, at, end, scene.length(radius, first), turn, name)
     else:
         arc = Arc(at, end, (centre[AXES.index(first)], centre[AXES.index(second)]), turn)
     yield from _written(scene, block, motion, (start, to), ends(scene, arc), mixed)
@@ -97,11 +99,11 @@ def _place(scene: Scene, word: Word | None, axis: str, start: float) -> float:
     return scene.length(word, axis) + (start if incremental else 0.0)
 
 
-def _radius(scene: Scene, words: Mapping[str, Word], axis: str) -> float:
+def _radius(scene: Scene, words: Mapping[str, Word]) -> Word:
     word = words.get("R") or words.get("CR")
     if word is None:
         raise scene.fault("an arc without its centre words", "write I J K or R")
-    return scene.length(word, axis)
+    return word
 
 
 def _words(

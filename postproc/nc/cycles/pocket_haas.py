@@ -279,7 +279,8 @@ def _piece(scene: Scene, part: Block, motion: int, start: Point, end: Point) -> 
         centre = start[0] + by[0], start[1] + by[1]
     else:
         centre = _by_radius(scene, part, radius, turn, start, end)
-    if abs(math.dist(start, centre) - math.dist(end, centre)) > 10 * NEAR:
+    miss = abs(math.dist(start, centre) - math.dist(end, centre))
+    if miss > min(10 * NEAR, scene.dialect.arc_tolerance_mm / scene.unit):
         raise scene.fault(
             "an arc in the shape of G150 misses its own end",
             f"check {part.text.strip().decode('latin-1')[:40]!r}",
@@ -289,7 +290,7 @@ def _piece(scene: Scene, part: Block, motion: int, start: Point, end: Point) -> 
 
 def _by_radius(scene: Scene, part: Block, word: Word, turn: int, start: Point, end: Point) -> Point:
     r, chord = scene.length(word, "X"), math.dist(start, end)
-    if not 0 < chord / 2 <= abs(r) + NEAR:
+    if not 0 < chord / 2 <= abs(r) + scene.dialect.radius_tolerance_mm / scene.unit:
         raise _strange(scene, part)
     return centre_of(start, end, r, turn)
 

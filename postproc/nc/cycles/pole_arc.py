@@ -46,12 +46,17 @@ def centre_of(start: Point, end: Point, radius: float, turn: float) -> Point:
     return centre.real, centre.imag
 
 
-def by_radius(scene: Scene, at: Point, to: Point, radius: float, turn: float) -> Arc:
-    """The arc of this radius. Raises ProgramError where there is none."""
+def by_radius(
+    scene: Scene, at: Point, to: Point, radius: float, turn: float, name: str = "R"
+) -> Arc:
+    """The arc of this radius, which the program has behind `name`. Raises ProgramError where there
+    is none."""
     length = math.dist(at, to)
-    if length < NEAR or length / 2 > abs(radius) + MISMATCH_MM:
+    if length < NEAR or (length / 2 - abs(radius)) * scene.unit > MISMATCH_MM:
+        address = name.rstrip("=")
         raise scene.fault(
-            f"R{radius:g} makes no arc to a place {length:.4g} away", "check R and the end"
+            f"{name}{radius:g} makes no arc to a place {length:.4g} away",
+            f"check {address} and the end",
         )
     return Arc(at, to, centre_of(at, to, radius, turn), turn)
 
