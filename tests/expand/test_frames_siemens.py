@@ -4,6 +4,7 @@ worked out here, from the programming manual."""
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import pytest
 from postproc.errors import ProgramError
 from tests.expand.frame_lines import ends, moved, turned
 from tests.expand.plain_lines import (
+    LATHE,
     expand,
     text_of,
 )
@@ -116,6 +118,34 @@ def test_sinumerik_frames_that_can_not_be_vouched_for_are_refused(program, why):
 )
 def test_a_feed_for_one_block(program, lines):
     assert text_of(program, "siemens") == lines.split("|")
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        "DIAMON|G111 Z0 X0|G1 AP=90 RP=10 F1",
+        "G111 Z0 X0|DIAMON|G1 AP=90 RP=10 F1",
+        "DIAM90|G111 Z0 X0",
+        "DIAMON|G110 Z5 X5",
+        "G111 Z0 X0",
+    ],
+)
+def test_polar_words_of_a_diameter_are_refused(program):
+    """Whether RP and the pole's X are diameters is in no manual that was found. A lathe's X is one
+    without a word."""
+    setup = LATHE if program == "G111 Z0 X0" else replace(LATHE, diameter=frozenset())
+    with pytest.raises(ProgramError, match="polar words while X is a diameter") as caught:
+        text_of("G18 G0 X0 Z9|" + program, "siemens", setup)
+    assert caught.value.advice == "write DIAMOF before"
+
+
+def test_polar_words_of_a_lathe_in_radii():
+    """The pole in X0 Z0, 10 along X; then 45 degrees about it: its centre lies 10 below."""
+    program = "G18 G0 X0 Z9|DIAMOF|G111 Z0 X0|G1 AP=90 RP=10 F1|G3 AP=45 RP=10"
+    assert text_of(program, "siemens", LATHE)[2:] == [
+        "G1 Z0. X10. F1",
+        "G3 Z7.07107 X7.07107 K0. I-10.",
+    ]
 
 
 def test_a_block_behind_such_a_feed_wants_the_one_before():

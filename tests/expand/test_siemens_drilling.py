@@ -313,3 +313,12 @@ def test_a_thread_by_its_size_has_the_coarse_pitch(size, pitch):
     """CYCLE84, MPIT: the nominal diameter of a metric thread, 3 to 48."""
     made = holes(f"S300 M3\nG1 X1\nCYCLE84(5,0,2,-10,,0,3,{size},,0,500,500)\n")
     assert f"G331 Z-10. K{pitch} S500." in made
+
+
+@pytest.mark.parametrize("call", ["CYCLE81(60,40,2,20)", "CYCLE84(60,40,2,20,,,3,,1.5,0,500,600)"])
+@pytest.mark.parametrize("mode", ["DIAMON", "DIAM90"])
+def test_holes_along_a_diameter_are_refused(mode, call):
+    """Whether SDIS and the planes are diameters then is in no manual that was found."""
+    with pytest.raises(ProgramError, match="along X in diameters"):
+        holes(f"S100 M3\nG19\n{mode}\n{call}\n")
+    assert "G0 X42." in holes("S100 M3\nG19\nCYCLE81(60,40,2,20)\n")

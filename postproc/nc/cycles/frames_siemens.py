@@ -8,7 +8,9 @@ turned; within turned coordinates ATRANS becomes part of the map. An arc in pola
 centre in the pole ("Circular interpolation with polar coordinates").
 
 Assumed: the settable frames (G54 ...) are shifts alone. Refused: turns about more than one axis in
-one block, and axes left unnamed in the first block behind a change.
+one block, axes left unnamed in the first block behind a change, and a pole and polar words in a
+plane whose X is a diameter (G18): whether RP and the pole's X are diameters then is in no manual
+that was found.
 """
 
 from __future__ import annotations
@@ -170,6 +172,7 @@ class SiemensFrames(FrameControl):
         """G110, G111, G112: no motion."""
         scene = self.scene
         names = scene.plane[:2]
+        self._by_radius(names)
         given = {w.letter: w.value or 0.0 for w in block.words if w.letter in names}
         if any(w.letter in ("AP", "RP") for w in block.words):
             raise scene.fault("a pole in polar words", "write the pole with the axes of the plane")
@@ -213,6 +216,7 @@ class SiemensFrames(FrameControl):
         """The block with X and Y (Z and X, Y and Z) in the place of AP and RP."""
         scene = self.scene
         first, second, _ = scene.plane
+        self._by_radius((first, second))
         both = next((w for w in block.words if w.letter in (first, second)), None)
         if both:
             raise scene.fault(
@@ -236,6 +240,12 @@ class SiemensFrames(FrameControl):
         if self.frames.map.identity:
             self.frames.loose -= {first, second}
         return Block.of(block.written(out, b" ".join(texts)), scene.dialect.grammar)
+
+    def _by_radius(self, names: tuple[str, ...]) -> None:
+        """Raises ProgramError where one of these axes is a diameter."""
+        scene = self.scene
+        if any(map(scene.is_diameter, names)) or ("X" in names and scene.diameter_in_g90):
+            raise scene.fault("a pole or polar words while X is a diameter", "write DIAMOF before")
 
     def _about_pole(self, block: Block, names: tuple[str, str]) -> list[bytes]:
         """The centre of an arc that has none of its own: the pole."""

@@ -20,6 +20,7 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from postproc.nc.expand import Refusal
+from postproc.nc.expand.siemens_cycle import DIAM90
 from postproc.nc.expand.siemens_drilling import CHIP, MOST_STROKES, Drilling
 from postproc.nc.expand.tracker import Tracker, number
 
@@ -184,5 +185,7 @@ class Boring(Drilling):
 
     @staticmethod
     def _text(tracker: Tracker, letter: str, value: float) -> bytes:
-        value *= 2 if tracker.is_diameter(letter) else 1
+        # A distance is a radius under DIAM90.
+        half = tracker.code("diameter") == DIAM90
+        value *= 2 if tracker.is_diameter(letter) and not half else 1
         return number(value, tracker.decimals(letter)).encode()

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from postproc.nc.cycles.pocket_path import Piece, Point
 from postproc.nc.expand import Refusal
-from postproc.nc.expand.siemens_cycle import Cycle
+from postproc.nc.expand.siemens_cycle import Cycle, in_diameters
 from postproc.nc.expand.tracker import Tracker, number
 
 MOST_DEPTHS = 1000
@@ -46,7 +46,7 @@ class Milling(Cycle):
     def check_modes(self, tracker: Tracker) -> None:
         """Raises Refusal where the cycle is called in other modes than it is written out in."""
         plane, relative = tracker.code("plane"), tracker.code("distance") == 910
-        if plane not in (-1, 170) or relative or tracker.is_diameter("X"):
+        if plane not in (-1, 170) or relative or in_diameters(tracker, "X"):
             raise Refusal(
                 f"{self.name} outside of G17, in G91 or in diameters",
                 "write G17 G90 DIAMOF before it",

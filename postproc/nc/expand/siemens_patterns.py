@@ -11,9 +11,8 @@ from __future__ import annotations
 
 import math
 
-from postproc.nc.codes import code_number
 from postproc.nc.expand import Refusal
-from postproc.nc.expand.siemens_cycle import Cycle
+from postproc.nc.expand.siemens_cycle import Cycle, in_diameters
 from postproc.nc.expand.tracker import Tracker, number
 
 Place = tuple[float, float]
@@ -22,7 +21,6 @@ OPTIONAL = {"STA1", "FDIS", "INDA"}  # 0 where the call leaves them out
 AXES = {170: "XY", 180: "ZX", 190: "YZ"}
 DIGIT = {170: 1, 180: 2, 190: 3}  # of _DMODE
 ABSOLUTE = "111111111"  # of _XA and _YA: nine places as coordinates
-DIAM90 = code_number("DIAM90")
 MOST_HOLES = 10_000
 WRITE_OUT = "write the places as blocks of their own behind MCALL"
 NAMES = {
@@ -49,8 +47,7 @@ class Pattern(Cycle):
         plane = tracker.code("plane")
         self._check(plane)
         axes = AXES[plane]
-        half = tracker.code("diameter") == DIAM90 and "X" in axes
-        if half or any(tracker.is_diameter(axis) for axis in axes):
+        if in_diameters(tracker, axes):
             raise Refusal(f"{self.name} in diameters", "write DIAMOF before it")
         relative = tracker.code("distance") == 910
         words = []

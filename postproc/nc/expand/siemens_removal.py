@@ -31,7 +31,7 @@ from postproc.nc.cycles.profile import Element, Point
 from postproc.nc.cycles.scene import CLOCKWISE as G2
 from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_contour import elements
-from postproc.nc.expand.siemens_cycle import by_name
+from postproc.nc.expand.siemens_cycle import by_name, in_diameters
 from postproc.nc.expand.siemens_values import Value
 from postproc.nc.expand.tracker import Tracker, number
 
@@ -228,7 +228,7 @@ class Cut:
         for axis, value in ((1, place[1]), (0, place[0])):
             if only in (None, axis) and self.here[axis] != value:
                 letter = "ZX"[axis]
-                double = 2 if axis and self.tracker.is_diameter("X") else 1
+                double = 2 if axis and in_diameters(self.tracker, "X") else 1
                 words.append(letter + number(value * double, self.tracker.decimals(letter)))
                 self.here[axis] = value
         return " ".join(words)
