@@ -68,7 +68,7 @@ class Hole:
             if len(depths) > MOST_PECKS:
                 raise scene.fault(
                     f"this hole would take more than {MOST_PECKS:,} pecks of {self.first:g}",
-                    "check Q, R and Z",
+                    "check the depths of the pecks and of the hole",
                 )
         return depths
 
@@ -297,7 +297,7 @@ class Drilling(Cycle):
         if job.times * len(hole.depths(scene)) > MOST_PECKS * 10:
             raise scene.fault(
                 f"{job.times:,} holes of {len(hole.depths(scene)):,} pecks each",
-                "check L, K, Q and Z",
+                "check how often it is made, and the depths of the pecks and of the hole",
             )
         letters = "".join(w.letter for w in job.place) + hole.axis + self.words + job.drops
         own, clamp = own_words(block, letters, {job.code, *job.codes}), job.clamp

@@ -73,6 +73,9 @@ class FagorDrilling(FanucDrilling):
         else:
             self.held["depth"] = value + (self.held["R"] if scene.incremental else 0.0)
 
+    def letter_of(self, held: str, axis: str, code: int) -> str:
+        return axis if held == "R" else "I"
+
     def _count(self, scene: Scene, word: Word | None) -> int:
         value = word.value if word else None
         if value is None or value != int(value) or value < 1:

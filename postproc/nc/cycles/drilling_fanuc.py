@@ -132,8 +132,9 @@ class FanucDrilling(Drilling):
         #   bottom                 v- - +
         for letter, name in (("R", "R level"), ("depth", "bottom")):
             if letter not in self.held:
+                word = self.letter_of(letter, axis, code)
                 raise scene.fault(
-                    f"G{code / 10:g} without its {name} ({'R' if letter == 'R' else axis})",
+                    f"G{code / 10:g} without its {name} ({word})",
                     "write it in the first block of the cycle",
                 )
         r, bottom = self.held["R"], self.held["depth"]
@@ -146,8 +147,11 @@ class FanucDrilling(Drilling):
         half = scene.double(axis)
         q = self.held.get("Q", 0.0) * half
         if code in self.pecking and q <= 0 and "I" not in self.held:
+            letter = self.letter_of("Q", axis, code)
             raise scene.fault(
-                f"G{code / 10:g} without Q", "write the depth of a peck, above 0", block.word("Q")
+                f"G{code / 10:g} without {letter}",
+                "write the depth of a peck, above 0",
+                block.word(letter),
             )
         return Hole(
             axis,
@@ -161,6 +165,10 @@ class FanucDrilling(Drilling):
             # Not more than a peck, or behind the first one the next rapid would end above R level.
             retract=min(RETRACT[scene.inch] * half, q or self.held.get("I", 0.0)),
         )
+
+    def letter_of(self, held: str, axis: str, code: int) -> str:
+        """The word that says what is held: "R", "depth" or "Q"."""
+        return axis if held == "depth" else held
 
     def drops(self, scene: Scene, axis: str) -> str:
         """Further letters that a block of a hole loses: increments along its axis."""
@@ -310,7 +318,7 @@ class LatheDrilling(FanucDrilling):
         return (self.held["R"] - self.start(scene, axis)) / scene.double(axis) or None
 
     def peck(self, scene: Scene, word: Word, axis: str) -> float:
-        return scene.counted(word)
+        return scene.counted(word, axis)
 
     def drops(self, scene: Scene, axis: str) -> str:
         return "".join(u for u, x in scene.dialect.increments.items() if x == axis)

@@ -77,6 +77,9 @@ class OkumaDrilling(FanucDrilling):
         dwell = f"{float(job.hole.p) / MILLISECONDS:.6g}" if job.hole.p else ""
         return replace(job, hole=replace(job.hole, back=back, p=dwell))
 
+    def letter_of(self, held: str, axis: str, code: int) -> str:
+        return "I" if held == "Q" and code == 730 else super().letter_of(held, axis, code)
+
     def _chips(self, m: Moves, hole: Hole, scene: Scene) -> None:
         """G73: back a little behind every peck, out to R where J is reached."""
         out = hole.r
