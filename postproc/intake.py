@@ -37,6 +37,7 @@ NUMBER = 1e100  # more is no length, angle or temperature, and its square is no 
 # Keys below keys: the time that they cost grows with the square of their number.
 PARTS = 32
 LABEL = 60  # characters of a name: lines of some controls have 80
+LINE_END = re.compile(r"\r\n|\n|\r")
 DOTTED = re.compile(rf"(?:[\w-]+[ \t]*\.[ \t]*){{{PARTS}}}")
 
 
@@ -66,6 +67,13 @@ def decoded(data: bytes, name: str, error: type[GcompError]) -> str:
             "save the file as UTF-8",
             Place(name, data.count(b"\n", 0, fault.start) + 1),
         ) from None
+
+
+def lines_of(text: str) -> list[str]:
+    """The lines as an editor counts them: only line feed and carriage return end one. splitlines()
+    would end one at a form feed, U+0085 and U+2028 too, which stand in remarks."""
+    lines = LINE_END.split(text) if "\r" in text else text.split("\n")
+    return lines[:-1] if text and not lines[-1] else lines
 
 
 def inside(folder: Path, name: str) -> Path | None:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from postproc import intake
 from postproc.control_tables import ErrorTable, ExportOptions, TableError
 from postproc.errors import Place, UsageError
 from postproc.recordings import Source
@@ -341,7 +342,7 @@ def numbered(source: Source) -> list[Line]:
     """Every line. Raises TableError for an empty file or text that is not UTF-8."""
     if not source.data.strip():
         raise fault(source, 1, "the file is empty")
-    return [Line(i, text, source) for i, text in enumerate(source.text.splitlines(), 1)]
+    return [Line(i, text, source) for i, text in enumerate(intake.lines_of(source.text), 1)]
 
 
 def csv_rows(lines: Iterable[Line]) -> Iterator[tuple[Line, list[str]]]:

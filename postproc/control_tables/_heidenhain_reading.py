@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 
+from postproc import intake
 from postproc.control_tables import ErrorTable, ExportOptions, TableError
 from postproc.control_tables import _common as common
 from postproc.errors import UsageError
@@ -52,7 +53,7 @@ def _moving(source: Source) -> str:
 
 def layout(text: str, name: str) -> tuple[int, list[tuple[str, int]]]:
     """Index of the line with the columns, and each column's name and first character."""
-    for i, line in enumerate(text.splitlines()):
+    for i, line in enumerate(intake.lines_of(text)):
         found = [(m[0].upper(), m.start()) for m in re.finditer(r"\S+", line)]
         if found and found[0][0] == "NR" and ("AXISPOS", dict(found).get("AXISPOS")) in found:
             return i, found
@@ -92,7 +93,7 @@ def _check_after(at: common.Line, row: dict[str, float], rows: list[dict[str, fl
 
 def end_of(text: str, at: int) -> int | None:
     """Index of the line [END] behind the one with the columns, None where there is none."""
-    lines = enumerate(text.splitlines())
+    lines = enumerate(intake.lines_of(text))
     return next((i for i, line in lines if i > at and END.match(line.strip())), None)
 
 

@@ -21,6 +21,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from postproc import intake
 from postproc.control_tables import ErrorTable, Export, ExportOptions, TableError
 from postproc.control_tables import _common as common
 from postproc.control_tables._heidenhain_reading import ENTRIES, UNIT, end_of, layout, read
@@ -198,7 +199,7 @@ def _filled(
     heads = [t.along for t in tables] + ["BACKLASH"] * any(t.two_way for t in tables)
     template = template or _frame(name, heads, options)
     at, columns = layout(template, "the template")
-    lines = template.splitlines()
+    lines = intake.lines_of(template)
     _check_template(lines[0], dict(columns), heads, options)
     rows = _rows(columns, _entries(letter, tables, options))
     end = end_of(template, at)

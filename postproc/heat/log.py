@@ -128,7 +128,7 @@ def _cells(name: str, data: bytes) -> tuple[list[int], list[str], list[list[str]
     the others."""
     lines = [
         (k, line)
-        for k, line in enumerate(intake.decoded(data, name, LogError).splitlines(), 1)
+        for k, line in enumerate(intake.lines_of(intake.decoded(data, name, LogError)), 1)
         if line.strip() and not line.startswith("#")
     ]
     if len(lines) < 3:

@@ -101,7 +101,7 @@ def _one_axis(path: Path, letter: str) -> tuple[dict[tuple[int, str], int], list
             raise MachineError(
                 f"{position_name(letter)} = {row[0]:g} does not ascend after {above[0]:g}",
                 "order the nodes, each once",
-                Place(str(path), line, text_of(path).splitlines()[line - 1]),
+                Place(str(path), line, intake.lines_of(text_of(path))[line - 1]),
             )
     if len(rows) < 2:
         raise MachineError(
@@ -239,7 +239,7 @@ def _rows(
     columns: dict[tuple[int, str], int] = {}
     # Line by line, not as one csv file: a quoted cell may then not hold a line end, and each number
     # has its line in the file, which the messages name.
-    for number, line in enumerate(text_of(path).splitlines(), 1):
+    for number, line in enumerate(intake.lines_of(text_of(path)), 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         place = Place(str(path), number, line)

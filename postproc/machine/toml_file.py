@@ -49,7 +49,7 @@ class TomlFile:
         # a multi-line value holds may be taken for keys of the section: then a line beside the
         # right one is named.
         here, counts = "", Counter({"": 1})
-        for number, line in enumerate(self.text.splitlines(), 1):
+        for number, line in enumerate(intake.lines_of(self.text), 1):
             if header := re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line):
                 # [axes."Z"] is [axes.Z]
                 here = header[1].replace('"', "")

@@ -12,13 +12,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from postproc.errors import Place, UsageError
+from postproc.intake import lines_of
 from postproc.recordings import RecordingError, Source
 
 NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]{1,3})?")
 COMMA = re.compile(r"[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]{1,3})?")
 # 1,234 may be 1.234 or 1234; 0,123 and 12,5 are decimals
 THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
-LINE_END = re.compile(r"\r\n|\n|\r")
 DELIMITERS = {"\t": "tab", ";": "semicolon", "|": "bar", ",": "comma"}
 LONGEST_LINE = 100_000
 BOMS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
@@ -58,11 +58,6 @@ def decoded(source: Source, tries: Sequence[str] = ("cp1252",)) -> tuple[str, li
         f"byte {source.data[first]} is no text in UTF-8, {', '.join(tries)}",
         "save the file as UTF-8",
     )
-
-
-def lines_of(text: str) -> list[str]:
-    """The lines as an editor counts them: only line feed and carriage return end one."""
-    return LINE_END.split(text)
 
 
 def number(cell: str, decimal: str = ".") -> float | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 
+from postproc import intake
 from postproc.recordings import RecordingError, Source, _sheet, contract
 from postproc.recordings import _text as text
 
@@ -40,7 +41,7 @@ def fault(source: Source, formats: list[str]) -> RecordingError:
 
 def _near_own(source: Source, content: str) -> RecordingError | None:
     """Of gcomp's own formats: a recording with its head changed or gone, a table of errors."""
-    lines = text.lines_of(content)
+    lines = intake.lines_of(content)
     names = [name.strip() for name in re.split(r"[,;\t]", lines[0])]
     if errors := [name for name in names if ERRORS.fullmatch(name)]:
         return source.fault(

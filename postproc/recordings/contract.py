@@ -25,7 +25,6 @@ from postproc.recordings import (
     RecordingError,
     Source,
 )
-from postproc.recordings import _text as text
 from postproc.recordings._columns import cells_of, read_columns
 
 TITLE = "gcomp recording (gcomp-recording/1)"
@@ -44,7 +43,7 @@ def recognises(source: Source) -> bool:
 
 def read(source: Source, options: ReadingOptions) -> Recording:
     """Raises RecordingError with file and line for anything that is not as the contract says."""
-    lines = source.text.split("\n") if "\r" not in source.text else text.lines_of(source.text)
+    lines = intake.lines_of(source.text)
     while lines and not lines[-1].strip():
         lines.pop()
     top = next((i for i, line in enumerate(lines) if not line.startswith("#")), len(lines))

@@ -13,6 +13,7 @@ import re
 
 import numpy as np
 
+from postproc import intake
 from postproc.errors import UsageError
 from postproc.recordings import ReadingOptions, Recording, Source
 from postproc.recordings import _text as text
@@ -44,7 +45,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     """A trace, sees = "scale". Raises RecordingError with the line, UsageError for pins that are
     not there."""
     content, _ = text.decoded(source)
-    lines = [(n, line) for n, line in enumerate(text.lines_of(content), 1) if line.strip()]
+    lines = [(n, line) for n, line in enumerate(intake.lines_of(content), 1) if line.strip()]
     head = HEAD.fullmatch(lines[0][1].strip()) if lines else None
     if head is None or int(head[1]) == 0:
         raise source.fault(

@@ -13,6 +13,7 @@ import re
 
 import numpy as np
 
+from postproc import intake
 from postproc.errors import Place
 from postproc.recordings import ReadingOptions, Recording, RecordingError, Source, _sheet
 from postproc.recordings import _components as components
@@ -72,7 +73,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     """Raises RecordingError with the line for what is not a number, and where axis or unit are
     open."""
     content, notices = text.decoded(source)
-    lines = text.lines_of(content)
+    lines = intake.lines_of(content)
     top = _top(source, lines)
     weather = next(
         (i for i in range(top + 1, len(lines)) if ENVIRONMENT.match(lines[i])), len(lines)

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from postproc import intake
 from postproc.errors import Place, UsageError
 from postproc.recordings import ReadingOptions, Recording, RecordingError, Source
 from postproc.recordings import _components as components
@@ -110,7 +111,7 @@ def _readings(
 def _rows(source: Source) -> list[tuple[int, float, float, float]]:
     """Line, nominal, forward, reverse."""
     content, _ = text.decoded(source)
-    lines = text.lines_of(content.rstrip())
+    lines = intake.lines_of(content.rstrip())
     rows: list[tuple[int, float, float, float]] = []
     for i, line in enumerate(lines, 1):
         values = [v for v in map(text.number, line.split()[:3]) if v is not None]

@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 
+from postproc import intake
 from postproc.errors import Place
 from postproc.recordings import Fault, ReadingOptions, Recording, RecordingError, Source
 from postproc.recordings import _components as components
@@ -183,7 +184,7 @@ def _notice_flags(found: _File, notices: list[str]) -> None:
 def _sections(content: str) -> _File:
     """The lines by section."""
     found = _File()
-    for i, line in enumerate(text.lines_of(content), 1):
+    for i, line in enumerate(intake.lines_of(content), 1):
         if plain := line.strip():
             found.take(i, plain)
     return found

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from postproc import intake
 from postproc.errors import Place, UsageError
 from postproc.recordings import ReadingOptions, Recording, RecordingError, Source
 from postproc.recordings import _text as text
@@ -147,7 +148,7 @@ def _table(
     """Names, (N, C) numbers, (N,) the line of each row, and that of the names. Raises
     RecordingError with the line."""
     content, _ = text.decoded(source)
-    kept = "\n".join("" if line.startswith("#") else line for line in content.splitlines())
+    kept = "\n".join("" if line.startswith("#") else line for line in intake.lines_of(content))
     table = text.table(source, kept, text.stated_decimal(options.extra))
     head_line, names = table.rows[0]
     rows, lines = [], []
