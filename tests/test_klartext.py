@@ -332,3 +332,17 @@ def test_a_number_that_is_corrected_to_zero_has_its_sign(tmp_path):
     text = b"0 BEGIN PGM A MM\n1 L X+5 Y+5 Z+0 R0 F500\n2 L X+0.01\n3 END PGM A MM\n"
     out = filter_.feed(text) + filter_.finish()
     assert re.search(rb"2 L X\+0(\.0+)?\n", out), out
+
+
+@pytest.mark.parametrize("words", ["M103 F20", "M103F.5", "M128 F3000"])
+@pytest.mark.parametrize("dialect", ["heidenhain", "heidenhain-iso"])
+def test_the_feed_of_an_m_function_is_none_of_a_path(dialect, words):
+    """L X+20 Y+20 RL F500 M103 F20, of the manuals ("Feed rate factor for plunging movements")."""
+    one = "L X+20 R0 F500 {}|L X+30|{}|L X+40|L X+50 F90"
+    two = "N10 G01 G90 X+20 F500 {} *|N20 X+30 *|N30 {} *|N40 X+40 *|N50 X+50 F90 *"
+    text = (one if dialect == "heidenhain" else "%A G71 *|" + two).format(words, words)
+    interpreter = Interpreter(dialects.load(dialect), SETUP)
+    read = lex(text.replace("|", "\n").encode() + b"\n", interpreter.dialect.grammar, False)
+    motions, state, _ = interpreter.run(read, interpreter.initial())
+    assert not motions.reason.any()
+    assert motions.feed.tolist() == [500.0, 500.0, 500.0, 90.0] and state.feed == 90.0

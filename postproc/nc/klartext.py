@@ -58,6 +58,10 @@ MACHINE = re.compile(rb"(?<![A-Z])M[ \t]*0*91(?![0-9])")
 TO_LIMIT = re.compile(
     rb"(?<![A-Z])M[ \t]*0*140[ \t]+MB[ \t]*MAX\b(?:[ \t]*F[ \t]*(?:MAX|[0-9.]+))?"
 )
+# F of M103 is a percentage, that of M128 the highest feed of compensating motions: none of a path.
+# HEIDENHAIN TNC 640 user's manual: L X+20 Y+20 RL F500 M103 F20.
+OWN_FEED = r"(?<=M103|M128)[ \t]*F[ \t]*(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
+NOT_OF_PATH = re.compile(OWN_FEED.encode())
 BUILDER = re.compile(rb"(?<![A-Z])M[ \t]*0*92(?![0-9])")
 TO_BUILDER = re.compile(rb"(?<![A-Z])([XYZABCUVW])[ \t]*[-+]?[ \t]*[0-9]*\.?[0-9]+")
 USED = re.compile(rb"(?<![A-Z])(?:I?[XYZABCUVW]|R|T)[ \t]*[+-]?[ \t]*Q[LR]?[0-9]+")
@@ -158,6 +162,7 @@ def _words(text: bytes) -> tuple[bytes, bool]:
     if b"M" in text:
         limit = b"G30" + Z_ALONE
         text = TO_LIMIT.sub(lambda m: _filled(limit, m), text)
+        text = NOT_OF_PATH.sub(lambda m: _blank(m[0]), text)
         text = MACHINE.sub(lambda m: _filled(b"G53", m), text)
         if BUILDER.search(text):
             text = TO_BUILDER.sub(_bare, BUILDER.sub(lambda m: _filled(b"G30", m), text))

@@ -10,6 +10,7 @@ their shape from what came before. Numbers without a point are whole units.
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
+from postproc.nc.klartext import OWN_FEED
 from postproc.nc.rows import CUTTER, DISTANCE, MOTION, PLANE, rows
 
 _POLE = (
@@ -154,6 +155,7 @@ DIALECT = Dialect(
             r"^[ \t]*(?:N[0-9]+[ \t]*)?%[^ \t*\n]*(?:[ \t]+(G7[01]))?",  # the name; its unit stays
             # by how much the radius of the tool (R2: of its corner) differs: of T, as in Klartext
             r"(?<![A-Z])DR2?[ \t]*[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?![0-9.])",
+            OWN_FEED,
         )
     ),
     dwell="F",
