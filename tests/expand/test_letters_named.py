@@ -69,3 +69,20 @@ def test_a_radius_of_a_shape_in_inches(radius, right):
         return
     with pytest.raises(ProgramError, match=f"a radius of {radius} is too short for an arc"):
         text_of(program, "fanuc-lathe-a", setup)
+
+
+CORNERED = "|N1 G0 X40.|G1 Z-20. F.2 M8|X60. ,R2.|Z-30.|N2 X90."
+
+
+def test_a_shape_is_finished_by_g72_in_system_c():
+    """M8 of a shape with a corner is the finishing's, as in system A, and so are the sentences."""
+    begin = "G0 X90. Z2.|{} U4. R1.|{} P1 Q2 U1. W.5" + CORNERED
+    ends = []
+    for dialect, rough, finish in (("a", "G71", "G70"), ("c", "G73", "G72")):
+        program = begin.format(rough, rough) + f"|{finish} P1 Q2"
+        lines = text_of(program, f"fanuc-lathe-{dialect}", LATHE)
+        ends.append(lines[next(i for i, line in enumerate(lines) if "M8" in line) - 1 :])
+    assert ends[0] == ends[1] and len(ends[0]) > 5
+    with pytest.raises(ProgramError, match="G41 is still on at the end of the shape of G72"):
+        shape = CORNERED.replace("N1 G0", "N1 G0 G41").replace(" ,R2.", "")
+        text_of(f"G0 X90. Z2.|G72 P1 Q2{shape}", "fanuc-lathe-c", LATHE)

@@ -82,6 +82,11 @@ class Repetitive(Cycle):
     def __post_init__(self) -> None:
         self.codes = self.roles
 
+    @property
+    def finishing(self) -> str:
+        """The code that finishes a shape: G70, in system C G72."""
+        return next(f"G{code / 10:g}" for code, role in self.roles.items() if role == "finish")
+
     def forms(self, code: int) -> tuple[Form, ...]:
         """The words of one role: of the first of two blocks, and of the second one or of one
         alone."""
@@ -159,13 +164,14 @@ class Repetitive(Cycle):
         return Outcome(texts, skip=(profile.first, profile.last), then=UNDEFINED)
 
     def _moving(self, scene: Scene, code: int, profile: Profile) -> Profile:
-        """A shape without its M words, which are the finishing's; Haas' stay, and are refused."""
+        """A shape without its M words, which are the finishing's; Haas' stay, and are refused.
+        code: of the roughing, which says so; 0: of none."""
         held = [(b, w) for b in profile.texts for w in b.words if w.letter == "M"]
         if self.haas or not held or any(w.value in scene.dialect.m_refuses for _, w in held):
             return profile
-        if self.roles[code] != "finish":
-            said = f"M{held[0][1].raw} in the shape of G{code / 10:g} is executed in G70 alone"
-            scene.tell(f"M of a shape {code}", said)
+        if code:
+            said = f"M{held[0][1].raw} in the shape of G{code / 10:g} is executed in"
+            scene.tell(f"M of a shape {code}", f"{said} {self.finishing} alone")
         texts = [
             replace(b, words=tuple(w for w in b.words if w.letter != "M")) for b in profile.texts
         ]
@@ -212,8 +218,8 @@ class Repetitive(Cycle):
             ALONG
             if self.haas
             else (
-                "holds in G70 alone: the roughing is written out without it (newer controls stop"
-                " there, and want it named before the cycle)"
+                f"holds in {self.finishing} alone: the roughing is written out without it (newer"
+                " controls stop there, and want it named before the cycle)"
             )
         )
         scene.tell(f"nose {code}", f"{name} {said}")
@@ -315,7 +321,7 @@ class Repetitive(Cycle):
         texts = [text for text in m.finish() if text.strip(b" \t\r/")]
         scene.forget()
         if profile.drawn(scene):
-            texts += self._drawn(scene, profile, self._moving(scene, 700, profile))
+            texts += self._drawn(scene, profile, self._moving(scene, 0, profile))
         else:
             texts += [b.text for b in profile.texts]
         # In one rapid; G41 and G42 before the cycle rest on the way (G40) and are named again
@@ -324,12 +330,13 @@ class Repetitive(Cycle):
         codes = [c for b in profile.texts for c in b.codes]
         if scene.incremental or 910 in codes:
             raise scene.fault(
-                "G70 in G91", "write the shape in absolute words: the way back is not known here"
+                f"{self.finishing} in G91",
+                "write the shape in absolute words: the way back is not known here",
             )
         nose = [c for c in codes if c in NOSE]
         if nose and nose[-1] != 400:
             raise scene.fault(
-                f"G{nose[-1] // 10} is still on at the end of the shape of G70",
+                f"G{nose[-1] // 10} is still on at the end of the shape of {self.finishing}",
                 "write G40 in its last block: controls differ on the way back with it",
             )
         motions = [c for c in codes if scene.group_of(c) == "motion"]
