@@ -123,13 +123,13 @@ def test_what_the_lead_is_off_by_is_said():
 
 
 def test_a_thread_that_nothing_leads_to_is_named():
-    """The program begins where --start says, uncorrected: the thread begins off, and the verifier
-    names its line."""
+    """The program begins where --start says, uncorrected, and the thread's block does not name its
+    code: the thread begins off, and the verifier names its line."""
     machine = lathe()
     setup = setup_of(machine, None, {"X": 20.0, "Z": 100.0})
     filter_ = Filter(machine, dialects.load("fanuc-lathe-a"), setup, Options(tolerance=0.001))
     verifier = Verifier(filter_)
-    filter_.feed(b"G21\nG32 Z0. F2.\nG0 X30.\n")
+    filter_.feed(b"G32\nZ0. F2.\nG0 X30.\n")
     filter_.finish()
     assert [n.line for n in filter_.notices if n.code == "unled"] == [2]
     assert not verifier.passed
@@ -137,10 +137,66 @@ def test_a_thread_that_nothing_leads_to_is_named():
     assert not verifier.at_line([1, 3])
 
 
+def lathe_with_play() -> Machine:
+    """4 um on both axes."""
+    ends, rows = np.array([-100.0, 200.0]), {"X": 0, "Z": 2}
+    lost = {x: np.where(np.arange(6)[:, None] == k, [-0.004, -0.004], 0.0) for x, k in rows.items()}
+    tables = {x: AxisTable(x, ends, lost[x], 0 * lost[x]) for x in rows}
+    plain = lathe()
+    axes = {x: replace(axis, table=tables[x]) for x, axis in plain.axes.items()}
+    return replace(plain, axes=axes)
+
+
+# behind G0 X60. Z120. and X40. Z100., a thread for which X turns, and what it becomes
+LED_TO = {
+    "linuxcnc": ("G33 X44 Z50 K2 $1 (c)", "G0 X40.0040 Z100.0000 (c)|G33 X44.0040 Z50.0000 K2 $1"),
+    "linuxcnc G61.1": (
+        "G33 X44 Z50 K2",
+        "G0 G64 X40.0040 Z100.0000|G33G61.1  X44.0040 Z50.0000 K2",
+    ),
+    "siemens": (
+        "N1 G33 X=44 Z50 K2 SF=30",
+        "N1 G0 X=40.0040 Z100.0000|G33 X44.0040 Z50.0000 K2 SF=30",
+    ),
+    "fanuc-lathe": ("G33X44.Z50.E2.M8;", "G0X40.0040Z100.0000M8;|G33X44.0040Z50.0000E2.;"),
+    "fanuc-lathe-a": (
+        "/G32 U4. W-50. F2. Q90000",
+        "/G0 U0.0040 W0.0000|/G32 U4.0000 W-50.0000 F2. Q90000",
+    ),
+    "okuma-lathe": ("G34 X44. Z50. F2. E.1", "G0 X40.0040 Z100.0000|G34 X44.0040 Z50.0000 F2. E.1"),
+}
+
+
+@pytest.mark.parametrize("case", LED_TO)
+def test_what_belongs_to_a_thread_stays_with_it_behind_the_rapid_that_is_put_in(case):
+    machine, block = lathe_with_play(), LED_TO[case][0]
+    dialect, *stop = case.split()
+    point = "" if dialect in ("linuxcnc", "siemens") else "."
+    text = "\n".join(
+        [
+            *stop,
+            f"G0 X60{point} Z120{point}",
+            f"X40{point} Z100{point}",
+            block,
+            f"G0 X70{point}",
+            "",
+        ]
+    )
+    outs = []
+    for step in (1, 9, len(text)):
+        filter_ = Filter(machine, dialects.load(dialect), setup_of(machine), Options())
+        verifier = Verifier(filter_)
+        parts = [text[i : i + step].encode() for i in range(0, len(text), step)]
+        outs.append(b"".join(map(filter_.feed, parts)) + filter_.finish())
+    assert outs[0] == outs[1] == outs[2] and verifier.passed
+    assert "|".join(outs[0].decode().splitlines()[-3:-1]) == LED_TO[case][1]
+
+
 # behind G0 X60. Z120., the blocks, and the line of the thread that begins off
 TURNS = {
-    "a taper behind a rapid in -": ("G0 X40. Z100.|G32 X44. Z50. F2.", 3),
-    "a taper in the chain": ("G0 X40. Z100.|G32 Z50. F2.|X36. Z40.|X44. Z30.", 5),
+    "a taper behind a rapid in -": ("G0 X40. Z100.|G32 X44. Z50. F2.", 0),
+    "a taper in the chain": ("G0 X40. Z100.|G32 Z50. F2.|X36. Z40.|X37. Z20.", 5),
+    "a block without its code": ("G0 X40. Z100.|G32|X44. Z50. F2.", 4),
     "a taper behind a rapid in +": ("G0 X30.|X40. Z100.|G32 X44. Z50. F2.", 0),
     "Z alone": ("G0 X60. Z20.|X40. Z100.|G32 Z50. F2.", 0),
 }
@@ -148,15 +204,10 @@ TURNS = {
 
 @pytest.mark.parametrize("case", TURNS)
 def test_a_thread_that_an_axis_turns_back_for_is_named(case):
-    """4 um of play, and no feed goes before a thread; along it the spindle says where Z stands."""
-    ends, rows = np.array([-100.0, 200.0]), {"X": 0, "Z": 2}
-    lost = {x: np.where(np.arange(6)[:, None] == k, [-0.004, -0.004], 0.0) for x, k in rows.items()}
-    tables = {x: AxisTable(x, ends, lost[x], 0 * lost[x]) for x in rows}
-    plain = lathe()
-    axes = {x: replace(axis, table=tables[x]) for x, axis in plain.axes.items()}
-    filter_ = Filter(
-        replace(plain, axes=axes), dialects.load("fanuc-lathe-a"), setup_of(plain), Options()
-    )
+    """4 um of play, and nothing is put in between threads in step, and before one that does not
+    name its code; along it the spindle says where Z stands."""
+    machine = lathe_with_play()
+    filter_ = Filter(machine, dialects.load("fanuc-lathe-a"), setup_of(machine), Options())
     verifier = Verifier(filter_)
     blocks, line = TURNS[case]
     filter_.feed(f"G0 X60. Z120.\n{blocks}\nG0 X70.\n".replace("|", "\n").encode())
@@ -164,7 +215,7 @@ def test_a_thread_that_an_axis_turns_back_for_is_named(case):
     said = [n for n in filter_.notices if n.code == "turned"]
     assert [n.line for n in said] == [line] * bool(line)
     assert verifier.passed != bool(line) and verifier.in_thread >= bool(line)
-    assert not line or said[0].size == pytest.approx(verifier.corrected.deviation, rel=0.15)
+    assert not line or said[0].size == pytest.approx(verifier.corrected.deviation, rel=0.35)
 
 
 @pytest.mark.skipif(oracle.available() is not None, reason=str(oracle.available()))
@@ -181,6 +232,15 @@ def test_linuxcnc_accepts_what_is_written():
         z = m.end[2]
         actual_x, actual_z = m.end[0] + np.interp(z, NODES, EXZ), z + np.interp(z, NODES, EZZ)
         assert actual_x == pytest.approx(20.0 if actual_z > -1e-3 else 19.5, abs=2e-4)
+
+
+@pytest.mark.skipif(oracle.available() is not None, reason=str(oracle.available()))
+def test_linuxcnc_accepts_the_rapid_that_is_put_in():
+    program = "G21 G90 G8 G18\nM3 S100\nG0 X60 Z120\nX40 Z100\nG33 X44 Z50 K2 $0\nG0 X70\nM2\n"
+    lines, _, _ = corrected(program, "linuxcnc", lathe_with_play())
+    motions = oracle.motions("\n".join(lines) + "\n")
+    assert [m.kind for m in motions] == ["rapid"] * 3 + ["feed", "rapid"]
+    assert [m.end[0] for m in motions] == pytest.approx([60.002, 40.0, 40.004, 44.004, 70.004])
 
 
 @pytest.mark.parametrize("dialect", ["haas-lathe", "fanuc-lathe-a"])

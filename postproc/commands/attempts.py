@@ -209,8 +209,8 @@ def _keeps_its_tolerance(done: Attempt) -> None:
     if verifier.in_thread and any(n.code == "turned" for n in done.filter.notices):
         raise GcompError(
             f"an axis turns back where a thread begins: {verifier.report()}",
-            "nothing was written; lead to the start of the thread in the direction in which each"
-            " axis goes on",
+            "nothing was written; let each axis go on in its direction there, or begin the thread"
+            " anew behind a rapid",
         )
     raise GcompError(
         f"verification failed: {verifier.report()}",

@@ -15,7 +15,7 @@ from postproc.compensate.increments import increments, rounded
 from postproc.compensate.inverse import command
 from postproc.flags import all_of, any_of
 from postproc.machine.tip import TipMachine
-from postproc.motions import CUTS, FREE, HOLE, RAPID, Motions
+from postproc.motions import CUTS, FREE, HOLE, RAPID, THREAD, Motions
 from postproc.units import TICKS_PER_MM, in_mm, in_ticks
 
 TICKS, ONE = np.array(float(TICKS_PER_MM)), np.array(1.0)  # without axes: postproc.units
@@ -77,7 +77,19 @@ class Batch(Columns):
         self.sure[:1], self.sure[1:] = self.carry.sure, self.sure_after[:-1]
         if self.leaps:
             self.sure &= ~self.jumps.any(axis=0)
+        thread = self.code == THREAD
+        if any_of(thread):
+            self.cutting = self.cutting | self._led_to(thread)
         self.left = self.left_alone()
+
+    def _led_to(self, thread: np.ndarray) -> np.ndarray:
+        """(S,) bool: threads, of `thread` (S,), before which lost motion may be taken up by rapids:
+        those that name their code; one behind another goes on in step with it."""
+        m, behind = self.m, np.empty(len(thread), bool)
+        behind[0], behind[1:] = self.carry.threading, thread[:-1]
+        alone = self.of(m.inverse | (m.code_word < 0) | (m.cutter != FREE))
+        led_to: np.ndarray = thread & self.moved & ~behind & ~alone
+        return led_to
 
     def _kinds(self) -> None:
         """What strokes are, wherever they lead."""

@@ -29,7 +29,7 @@ from postproc.compensate.settings import Carry, Options, Settings
 from postproc.errors import MachineError, MotionFault, Notice
 from postproc.machine import growth, poses, seen
 from postproc.machine.model import Machine
-from postproc.motions import Motions
+from postproc.motions import THREAD, Motions
 from postproc.pieces import Pieces, in_order, joined, without_rests
 from postproc.records import replace
 from postproc.spaces import Space
@@ -239,7 +239,7 @@ class Compensator(Settings):
             sides=b.sides, issued=issued, way=b.way,
             level=levels.initial(b) if len(b.m.holes) else issued, sure=bool(b.sure_after[-1]),
             heading=cutter.heading(b), largest=max(carry.largest, largest), frame=carry.frame,
-            heat=carry.heat, spline=spline,
+            heat=carry.heat, spline=spline, threading=int(b.code[-1]) == THREAD,
         )  # fmt: skip
         return pieces, after, b.notices
 

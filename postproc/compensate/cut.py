@@ -18,6 +18,7 @@ from postproc.records import names
 from postproc.units import TICKS_PER_MM
 
 Cuts = tuple[np.ndarray, np.ndarray, np.ndarray]  # stroke (K,), share (K,), command (A, K) mm
+IN_STEP = 0.5  # mm of a thread along which an axis is taken over its play where none is put in
 NO_TIMES, FEEDS = np.zeros(0), np.array(FEED, np.int8)  # without axes: postproc.units
 
 
@@ -38,7 +39,9 @@ def take_ups(b: Batch) -> Packed | None:
     )
     end = np.concatenate([b.beyond.take(two, axis=1), b.begin.take(which, axis=1)], axis=1)
     order = np.repeat([-2, -1], [len(two), len(which)])
-    return pack(b, stroke, order, np.full(len(stroke), FEED), start, end, np.zeros(len(stroke)),
+    # behind the rapid that leads to a thread no F may be in force
+    code = np.where(b.code.take(stroke) == THREAD, RAPID, FEED)
+    return pack(b, stroke, order, code, start, end, np.zeros(len(stroke)),
                      _begin_ticks(b, stroke), take_up=True)  # fmt: skip
 
 
@@ -155,6 +158,7 @@ def _may_be_cut(b: Batch, straight: np.ndarray) -> np.ndarray:
     bends = b.may_bend(chosen, b.c.slack)
     if len(b.c.followed):
         bends = bends | (leading.waiting(b, chosen) > 0).any(axis=0)
+    bends[_in_chain(b, chosen)[0]] = True
     chosen = chosen[bends]
     return chosen[~uncut.proven(b, chosen)] if len(chosen) else chosen
 
@@ -181,7 +185,7 @@ def _cuts(b: Batch, chosen: np.ndarray) -> Cuts:
     start, target = b.begin_nominal.take(chosen, axis=1), b.end_nominal.take(chosen, axis=1)
     beside = cutter.centre(b, chosen, np.ones(len(chosen))) if b.reads_beside else 0.0
     owner, t, axis = nodes.candidates(b.machine, start + beside, target + beside, b.c.slack)
-    for more, at in (*_ramp_ends(b, chosen), *_waited(b, chosen)):
+    for more, at in (*_ramp_ends(b, chosen), *_waited(b, chosen), _in_chain(b, chosen)):
         owner = np.concatenate([owner, more])
         t = np.concatenate([t, at])
         axis = np.concatenate([axis, np.full(len(at), -1)])
@@ -298,11 +302,33 @@ def _ramp_ends(b: Batch, chosen: np.ndarray) -> list[tuple[np.ndarray, np.ndarra
 def _waited(b: Batch, chosen: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """Where axes have waited that began ahead of their places: from there on they go along."""
     share = leading.waiting(b, chosen)
-    result = []
+    least, result = _in_step(b, chosen), []
     for row in b.c.followed:
-        inside = ((share[row] > 0) & (share[row] < 1)).nonzero()[0]
-        result.append((inside, share[row, inside]))
+        at = np.where(share[row] > 0, np.maximum(share[row], least), 0.0)
+        inside = ((at > 0) & (at < 1)).nonzero()[0]
+        result.append((inside, at[inside]))
     return result
+
+
+def _in_step(b: Batch, chosen: np.ndarray) -> np.ndarray:
+    """(K,) share of strokes that no cut at their begin may be shorter than: IN_STEP of threads."""
+    share, thread = np.zeros(len(chosen)), (b.code.take(chosen) == THREAD).nonzero()[0]
+    if len(thread):
+        way = (b.end_nominal - b.begin_nominal)[b.rows][:, chosen[thread]]
+        share[thread] = IN_STEP / np.maximum(np.sqrt((way**2).sum(axis=0)), IN_STEP)
+    return share
+
+
+def _in_chain(b: Batch, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where axes have been taken over their play that turn where a taper goes on from another
+    thread."""
+    share = _in_step(b, chosen)
+    inside = ((share > 0) & (share < 0.5)).nonzero()[0]
+    if len(inside):
+        stroke = chosen[inside]
+        over = ~b.cutting[stroke] & b.flipped[:, stroke].any(axis=0)
+        inside = inside[over & (np.count_nonzero(b.travel[:, stroke], axis=0) > 1)]
+    return inside, share[inside]
 
 
 def _plain(b: Batch) -> np.ndarray:

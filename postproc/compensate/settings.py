@@ -69,7 +69,8 @@ class Carry:
     last motion inside it ended; level (A,): ticks commanded before the holes that ended at R, to
     which their cycle goes back; largest: mm, the largest correction so far; frame: the space and
     the tool's length (A,) ticks in which `issued` counts; heat (D,): steps of the machine's growth
-    for which it was; spline: of the one that goes on, None: none does."""
+    for which it was; spline: of the one that goes on, None: none does; threading: whether the last
+    motion was a thread."""
 
     sides: approach.Sides
     issued: np.ndarray
@@ -81,6 +82,7 @@ class Carry:
     frame: tuple[Space | None, tuple[int, ...]] = (None, ())
     heat: tuple[int, ...] = ()
     spline: Course | None = None
+    threading: bool = False
 
 
 class Settings:

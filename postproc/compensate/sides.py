@@ -73,8 +73,8 @@ class Course:
         # which no rapid does.
         if any_of(b.c.overshoots):
             stays = stays | (b.travel == 0) & (b.code == RAPID) & b.c.overshoots[:, None]
-        # Before a thread nothing is put in: it takes along what rests as it is.
-        thread = b.code == THREAD
+        # Before a thread that goes on from another nothing is put in: what rests is as it was.
+        thread = (b.code == THREAD) & ~b.cutting
         if any_of(thread):
             stays = stays | (b.travel == 0) & thread
         self.stays = stays.take(self.rows, axis=0) & ~self.given

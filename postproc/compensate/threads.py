@@ -24,8 +24,8 @@ UNLED = (
     "lead to its start by a motion of its own",
 )
 TURNED = (
-    "an axis turns back where a thread begins, before which no feed is put in",
-    "lead to its start in the direction in which each axis goes on",
+    "an axis turns back where a thread begins, before which nothing can be put in",
+    "let each axis go on in its direction there, or begin the thread anew behind a rapid",
 )
 
 
@@ -87,7 +87,8 @@ def say(b: Batch) -> None:
 
 def _say_begin(b: Batch, stroke: np.ndarray) -> None:
     """One notice of threads that begin where nothing was corrected before, and one of those that
-    begin beside their way since an axis turns back: no feed is put in before a thread."""
+    begin beside their way since an axis turns back, where nothing is put in: between threads that
+    go on in step, under G93, and where a block does not name its code."""
     nominal = b.begin_nominal[:, stroke]
     wanted = command(b.machine, nominal, b.weight_begin[:, stroke], b.motion[stroke])
     off = (wanted - b.begin[:, stroke] / TICKS_PER_MM)[b.rows]
@@ -96,7 +97,7 @@ def _say_begin(b: Batch, stroke: np.ndarray) -> None:
     grid = b.m.grid[:, b.motion[stroke]].max(axis=0) / TICKS_PER_MM
     sure = b.sure[stroke]
     unled = np.where(sure, 0.0, np.linalg.norm(off, axis=0))
-    turned = np.where(sure, np.linalg.norm(aside, axis=0), 0.0)
+    turned = np.where(sure & ~b.cutting[stroke], np.linalg.norm(aside, axis=0), 0.0)
     for code, beside, allowed, said, advice in (
         ("unled", unled, b.c.tolerance + 0 * grid, *UNLED),
         ("turned", turned, b.c.allowed(grid), *TURNED),

@@ -5,9 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.motions import RAPID
+from postproc.flags import any_of
+from postproc.motions import RAPID, THREAD
 from postproc.nc import codes
 from postproc.nc.columns import one_of
+from postproc.nc.numbers import POWERS
 from postproc.nc.writing import Writing
 
 
@@ -61,6 +63,10 @@ def frames_of_blocks(b: Writing, added: np.ndarray) -> None:
     # each block ends as its own line does, also where a file mixes LF and CR LF
     returns = (b.byte.take(np.maximum(stop - 1, 0)) == ord("\r")) & (stop > 0)
     skip, code = w.skip[block], np.where(b.names_code[added], p.code[added] + b.above[motion], -1)
+    thread = b.names_code[added] & (p.code[added] == THREAD)
+    if any_of(thread):  # G32 G33
+        word = m.code_word[motion[thread]]
+        code[thread] = w.mantissa[word] // POWERS[w.decimals[word]]
     lead_of = _plain_lead
     if b.klartext:
         lead_of = _klartext_lead

@@ -12,14 +12,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from postproc.expressions import expression
 from postproc.motions import THREAD
 from postproc.nc.batch import Batch
-from postproc.nc.columns import spread
+from postproc.nc.columns import one_of, spread
 from postproc.nc.numbers import INSERT_WORD
 from postproc.nc.queries import names, words_of
 from postproc.nc.writing import Writing
 from postproc.units import TICKS_PER_MM
 
+STAYS = "NGMSTDH"  # words of a thread's block that do not belong to the thread
+SPINDLE = expression(rb"[^(;]*?([ \t]*\$[ \t]*\d+)")
 START_ANGLE = "Q"  # what it means in a block that does not start the thread, the manuals leave open
 
 
@@ -58,13 +61,34 @@ def thread_columns(
 
 
 def thread_words(b: Writing) -> None:
-    """Every piece of a thread that was cut names the lead as its block does."""
+    """Every piece of a thread that was cut names the lead as its block does. Where that block
+    became a rapid, since lost motion is taken up before the thread, all words that belong to the
+    thread move to its first piece."""
     m, p, w = b.m, b.p, b.w
-    letters = [ord(x) for x in b.dialect.thread_words]
-    for i in (~b.first & (m.code[p.motion] == THREAD)).nonzero()[0]:
-        motion = p.motion[i]
+    led = ((m.code == THREAD) & (p.code[b.begin] != THREAD)).nonzero()[0]
+    moved = np.isin(w.block, m.block[led]) & ~one_of(w.letter, map(ord, STAYS))
+    moved[m.word[m.word >= 0]] = False
+    at = moved.nonzero()[0]
+    b.delete(at, np.searchsorted(m.block, w.block[at]))
+    lead = one_of(w.letter, map(ord, b.dialect.thread_words))
+    for i in (~b.first & (p.code == THREAD)).nonzero()[0]:
+        motion, begins = p.motion[i], p.code[i - 1] != THREAD
         low, high = np.searchsorted(w.block, [m.block[motion], m.block[motion] + 1])
-        for k in (k for k in range(low, high) if w.letter[k] in letters):
-            text = w.text[w.start[k] : b.tail(np.array([k]))[0]]
+        words = (lead | moved)[low:high] if begins else lead[low:high]
+        texts = [w.text[w.start[k] : b.tail(np.array([k]))[0]] for k in low + words.nonzero()[0]]
+        if begins:
+            texts += _spindle(b, int(motion))
+        for text in texts:
             at, rank = int(b.behind(motion)), int(b.rank(np.array([i]))[0]) + INSERT_WORD // 2
             b.splice.texts([at], [at], [rank], [(b" " if b.spaced[motion] else b"") + text])
+
+
+def _spindle(b: Writing, motion: int) -> list[bytes]:
+    """The word $ of LinuxCNC, which names the spindle, taken out of the block of a motion."""
+    begin, stop = (int(x[b.m.block[motion]]) for x in (b.w.block_start, b.w.block_stop))
+    found = SPINDLE.match(b.w.text[begin:stop])
+    if not found:
+        return []
+    start, end = (begin + k for k in found.span(1))
+    b.splice.texts([start], [end], [0], [b""])
+    return [found[1].strip()]
