@@ -159,7 +159,8 @@ def places(block, axes, t):
             block.plane_axes, block.centre, (np.cos(angle), np.sin(angle))
         ):
             place[:, axes.index(axis)] = centre + radius * unit
-        place[t == 0.0], place[t == 1.0] = start, end
+    # to the digit: where an axis has no play the last of its ways, however short, says its side
+    place[t == 0.0], place[t == 1.0] = start, end
     return place
 
 

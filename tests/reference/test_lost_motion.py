@@ -63,6 +63,19 @@ def test_without_play_the_last_commanded_motion_decides():
     assert list(side_of_play(command, np.zeros(9))) == [0, 0, 0, 1, 1, -1, 0, 0, -1]
 
 
+def test_a_line_ends_to_the_digit_so_that_no_rounding_says_a_side():
+    """159.9736 + 1.0 * (29.00195 - 159.9736) is less than 29.00195: an axis that came down to
+    there, and rests, would go up by a rounding, which without play is another side."""
+    down, rests = run("G0 X159.9736\nX29.00195\nG4 P1\nG1 X29.00195 F1\n", "linuxcnc", axes="X")[
+        1::2
+    ]
+    assert 159.9736 + 1.0 * (29.00195 - 159.9736) != 29.00195
+    command = np.concatenate(
+        [places(each, "X", np.array([0.5, 1.0]))[:, 0] for each in (down, rests)]
+    )
+    assert list(side_of_play(command, np.zeros(4))) == [0, -1, -1, -1]
+
+
 def test_a_line_to_and_fro(tmp_path):
     """Behind by half the play: 99.98 on the way up, 20.02 on the way down; at the first place the
     nut is in the middle."""
