@@ -463,3 +463,18 @@ def test_an_axis_that_rests_along_a_thread_keeps_its_side_or_is_led_to_it(tmp_pa
     out, verifier = on_lathe(m, text.format(" "))
     assert verifier.corrected.deviation < 0.5 * UM
     assert "\nG0 Z" in out and "\nG32 Z180.0000 F1.5\nX" in out
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        # X goes on by 0.04 um, and Z turns, which takes X back by 2.5 um (5.5 um along all of it)
+        "G0 X240. Z50.\nG1 X278. Z40. F100\nX263.2 Z27.3\nG0 X288.833\nG1 X288.832924 Z112.7\n",
+        # Z goes on by 1.02 um, and X turns, which takes Z back by 6.6 um (4.4 um behind it too)
+        "G0 X89.24 Z357.8802\nG1 X249.671 Z357.8792 F100\nX305.50484\nZ357.88022\nX305.410748\n",
+    ],
+)
+def test_an_axis_that_hardly_goes_on_is_led_to_its_side(tmp_path, program):
+    m = read_machine(write_lagging(ROOT / "machines" / "studer-s36", tmp_path / "m"))
+    _, verifier = on_lathe(m, program)
+    assert verifier.passed and verifier.corrected.deviation < 0.5 * UM, verifier.report()

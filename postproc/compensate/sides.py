@@ -367,9 +367,10 @@ def follow(b: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
         course.exact = exact
     exact = course.exact
     b.twice, b.against = np.zeros(side.shape, bool), np.zeros_like(b.travel)
-    # Where nothing was corrected before, the way to the first corrected place turns an axis too
-    # that the stroke moves.
-    alone = course.twice & ((course.travel == 0) | ~b.sure)
+    # An axis that moves by less than it is taken back by does not come to its side along a stroke;
+    # where nothing was corrected before, the way to the first corrected place turns any.
+    ways = np.maximum(course.band[:, None], np.abs(course.against))
+    alone = course.twice & ((np.abs(course.travel) <= ways) | ~b.sure)
     b.against[course.rows] = np.where(alone, 0, course.against)
     b.twice[course.rows] = alone | (course.against != 0)
     if np.count_nonzero(course.behind):
