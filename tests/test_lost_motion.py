@@ -478,3 +478,13 @@ def test_an_axis_that_hardly_goes_on_is_led_to_its_side(tmp_path, program):
     m = read_machine(write_lagging(ROOT / "machines" / "studer-s36", tmp_path / "m"))
     _, verifier = on_lathe(m, program)
     assert verifier.passed and verifier.corrected.deviation < 0.5 * UM, verifier.report()
+
+
+def test_an_arc_says_the_side_by_its_last_way_however_short():
+    """It goes 0.3 um up from its lowest X, less than the hysteresis, to which its corrected end is
+    held: the S-36 takes that for the side, and X is led back to the other one (9.8 um along all of
+    the feed behind)."""
+    m = read_machine(ROOT / "machines" / "studer-s36")
+    arc = "G0 X80. Z170.\nG1 X73.44 Z181.515 F100\nG3 X72.8806 Z182.0183 R0.56\nG1 Z390.\nM2\n"
+    out, _ = on_lathe(m, arc)
+    assert "\nX72.8802 Z182.0185 R0.56\nG1 Z182.0185 X72.8843\nX72.8802\nZ210" in out

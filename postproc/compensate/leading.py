@@ -46,12 +46,12 @@ def lead_beyond(b: Columns) -> None:
     before, wanted, end = (x.take(rows, axis=0) for x in (b.before, b.begin, b.end))
     sides, twice = _sides(b), b.twice.take(rows, axis=0) & b.cutting & b.known_before
     if not (np.count_nonzero(sides) or np.count_nonzero(twice)):
-        b.way[rows] = last_way(wanted - before, end - wanted, b.way[rows])
+        b.way[rows] = last_way(wanted - before, _along(b, wanted, end), b.way[rows])
         return
     alone = twice & (b.against.take(rows, axis=0) == 0)
     begin, b.beyond = wanted, b.begin.copy()
     while True:  # where one is not moved back, the command says another side to the next
-        first, then = np.sign(begin - before), np.sign(end - begin)
+        first, then = np.sign(begin - before), _along(b, begin, end)
         course = np.stack((first, sides, then), 2).reshape(len(rows), -1)
         asks = alone | (sides != 0) & (hold_last(course, course != 0, b.way[rows])[:, ::3] != sides)
         at, out = (asks | twice).any(axis=0).nonzero()[0], asks.copy()
@@ -84,6 +84,16 @@ def waiting(b: Columns, stroke: np.ndarray) -> np.ndarray:
     waits = (ahead > b.c.chord * TICKS_PER_MM) & (np.sign(travel) == side)
     share[rows] = np.where(waits, ahead / np.maximum(np.abs(travel), 1), 0.0)
     return share
+
+
+def _along(b: Columns, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """(R, S) sign of the last command along strokes from begin to end (R, S): an arc turns where
+    its circle does, also where its ends say nothing of it."""
+    then: np.ndarray = np.sign(end - begin)
+    if len(b.m.arcs):
+        travel = np.sign(b.travel.take(b.c.followed, axis=0))
+        then = np.where((b.arc_of[b.motion] >= 0) & (travel != 0), travel, then)
+    return then
 
 
 def _sides(b: Columns) -> np.ndarray:
