@@ -22,6 +22,7 @@ from postproc.units import UM
 from postproc.verify import Verifier
 from postproc.verify.cutter import CentreVerifier
 from postproc.verify.distance import _from_arc
+from tests.small_machines import write_lagging
 from tests.test_lost_motion import backlash, corrected, machine
 from tests.test_unknown_places import mill
 
@@ -263,6 +264,26 @@ def test_where_forward_lies_beyond_reverse_a_turn_in_a_rapid_is_let_pass_and_sai
     filter_.finish()
     assert verifier.passed and verifier.corrected.deviation > verifier.allowed
     assert "let pass, where slides turn back" in verifier.report()
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        # X goes back by 1.66 um and turns Z, which turns X on again (1.8 um left with lost motion)
+        "G0 X0.8441\nZ3.808305\nG1 X58.96651 Z96.7946 F100\nX172.720506\nG0 X172.717188\n",
+        # of neither axis is known on which side it bears where both move by micrometres (4.5 um)
+        "G0 X339.998\nG1 Z219.0030 F100\nG0 X340.000 Z218.9989\n",
+    ],
+)
+def test_a_turn_of_a_slide_that_lags_in_a_rapid_of_micrometres_is_let_pass(tmp_path, program):
+    """It was refused as an error of gcomp: nothing is cut at the end of a rapid, and the next feed
+    begins on its side."""
+    m = places.load(str(write_lagging(ROOT / "machines" / "studer-s36", tmp_path / "m")))
+    filter_ = Filter(m, dialects.load(m.control), setup_of(m, {"G54": {}}))
+    verifier = Verifier(filter_)
+    filter_.feed(b"G21 G90\n" + program.encode() + b"M2\n")
+    filter_.finish()
+    assert verifier.passed and verifier.corrected.deviation > verifier.allowed, verifier.report()
 
 
 def test_where_forward_lies_beyond_reverse_the_last_command_says_the_side():

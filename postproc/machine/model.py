@@ -74,18 +74,31 @@ class Machine(Stated):
             total += self.bounds.at_tip(x, size)
         return total
 
-    @cached_property
+    @property
     def least_play(self) -> np.ndarray:
         """(A,) mm: the smallest lost motion of each axis anywhere; below zero where forward lies
         beyond reverse."""
-        least = np.zeros(len(self.letters))
+        least: np.ndarray = self._plays[0]
+        return least
+
+    @property
+    def widest_play(self) -> np.ndarray:
+        """(A,) mm: how far the sides of each axis lie apart at most, either way round."""
+        widest: np.ndarray = np.abs(self._plays).max(axis=0)
+        return widest
+
+    @cached_property
+    def _plays(self) -> np.ndarray:
+        """(2, A) mm: the smallest and the largest lost motion of each axis, 0 among them."""
+        plays = np.zeros((2, len(self.letters)))
         for row in self.corrected:
             nodes = np.concatenate(self.knots.get(self.letters[row], [np.zeros(1)]))
             # Play is linear between the nodes of the axis' own tables, so it is least at one of
             # them; grids by another axis are looked at where that one stands at zero.
             place = self.at({self.letters[row]: nodes}, len(nodes))
-            least[row] = self.lost_motion(place, np.array([row])).min(initial=0.0)
-        return least
+            play = self.lost_motion(place, np.array([row]))
+            plays[:, row] = play.min(initial=0.0), play.max(initial=0.0)
+        return plays
 
     def lost_motion(self, position: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """(R, N) mm: the play of the axes `rows` (R,) at commanded slide positions (A, N): the

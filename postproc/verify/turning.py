@@ -1,8 +1,8 @@
 """What an axis that turns back moves the others by: its straightness and angles may have been
 measured both ways, and no take-up of another axis can bring that about in the same moment. The
-difference along itself counts too where nothing takes it up: of one that rests in a rapid, which is
-not cut for it, and where forward lies beyond reverse, which asks for a way beyond the place and
-back.
+difference along itself counts too where nothing takes it up: of one that a rapid moves by no more
+than its sides lie apart, for which it is not cut, and where forward lies beyond reverse, which asks
+for a way beyond the place and back.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ from postproc.verify.machines import Machines
 class Turning:
     """The motions of a run (M), each of which stands for one `owner` (M,) of the nominal ones. back
     (A, M) bool: axes that may change their side in all of that nominal motion; unled (A, M) bool:
-    those that rest in a rapid, or of which forward lies beyond reverse (`overshoots`, (A,))."""
+    those that a rapid hardly moves, or of which forward lies beyond reverse (`overshoots`,
+    (A,))."""
 
     def __init__(
         self, machines: Machines, nominal: Motions, owner: np.ndarray, run: Motions, led: Led,
@@ -28,7 +29,7 @@ class Turning:
     ):  # fmt: skip
         self.machines, self.run, self.led = machines, run, led
         # a correction turns what moves by less than the sides lie apart
-        apart = overshoots * -machines.whole.least_play * TICKS_PER_MM
+        apart = machines.whole.widest_play * TICKS_PER_MM
         rests = (np.abs(nominal.target - nominal.start) <= apart[:, None])[:, owner]
         held = rests & (run.code == RAPID)
         self.unled = held | overshoots[:, None]
