@@ -239,6 +239,8 @@ def test_at_its_end_an_arc_has_the_direction_in_which_it_came():
         # the command of the rapid goes back by 2 um where Z goes on (4.7 um)
         "G0 X33.378 Z335.3929\nG1 Z335.805 F100\nG0 Z212.7734\nG1 Z212.7739\n"
         "G0 X31.6171 Z212.7754\nG1 X45.9351 Z212.7761\n",
+        # Z turns, which takes X back by all that it goes on by, and an increment more (9.7 um)
+        "G0 X233.29 Z292.2616\nX218.6495 Z303.9184\nG1 X218.645 Z245.9643 F100\n",
     ],
 )
 def test_where_forward_lies_beyond_reverse_a_feed_begins_on_its_side(program):

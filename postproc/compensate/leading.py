@@ -105,6 +105,9 @@ def _sides(b: Columns) -> np.ndarray:
         return sides
     hardly = np.abs((b.end - b.begin).take(rows, axis=0)) <= b.c.band.take(rows)[:, None]
     hardly |= b.travel.take(rows, axis=0) == 0
+    # one that would wait all along, since its end does not lie as far on as it stands
+    ahead = (b.end - b.before).take(rows, axis=0) * b.weight_begin.take(rows, axis=0)
+    hardly |= (b.twice & ~b.turned).take(rows, axis=0) & (ahead < 0)
     hardly &= b.cutting & b.known_before
     at = hardly.any(axis=0).nonzero()[0]
     if len(at):
