@@ -9,8 +9,9 @@ import pytest
 
 from postproc.cli import main
 from postproc.errors import ProgramError
-from postproc.machine import places
+from postproc.machine import chain, places
 from postproc.machine.poses import Poses
+from postproc.records import replace
 from postproc.units import TICKS_PER_MM
 from tests.reference.tool_point import CHAINS, TURN, Truth, random_truth
 from tests.test_tool_point import (
@@ -502,3 +503,27 @@ def test_the_shortest_way_of_the_axis_nearest_to_the_part_comes_first(at, turned
     found = Poses(five).aligned(np.array([1.0, 0.0, 1.0]) / np.sqrt(2), position)
     c, a = (five.letters.index(x) for x in "CA")
     assert [(round(p[c], 6), round(p[a], 6)) for p in found[:3]] == turned
+
+
+def test_the_shortest_way_is_found_however_far_the_axis_has_wound():
+    """0.3 0.1 0.9 lies at C 108.43 or -71.57 and whole turns, of which 3528.43 is 81.57 degrees
+    from C3610 and 3708.43 is 98.43; at the end of the travel, C7200, 7128.43 lies 71.57 back and
+    none beyond."""
+    five = places.load("example-five-axis")
+    c, position = five.letters.index("C"), np.zeros(5)
+    for at, nearest in ((3610.0, [3528.435, 3708.435]), (7200.0, [7128.435, 6948.435])):
+        position[c] = at
+        found = Poses(five).aligned(np.array([0.3, 0.1, 0.9]) / np.sqrt(0.91), position)
+        assert [round(pose[c], 3) for pose in found[:2]] == nearest
+
+
+@pytest.mark.parametrize("tilt", [30.0, -75.0, 0.0])
+def test_a_table_that_turns_about_the_tool_stays_and_the_other_one_tilts(tilt):
+    """Of w-A-C-b-X-Y-Z-t the line of C is the tool's whatever A is, so that A alone tilts."""
+    two = replace(places.load("example-five-axis"), chain=chain.parse("w-A-C-b-X-Y-Z-t"))
+    position = np.zeros(5)
+    a, c = (two.letters.index(x) for x in "AC")
+    position[a] = tilt
+    found = Poses(two).aligned(Poses(two).tool_axis(position), 0 * position)
+    assert round(found[0][a], 9) == tilt and found[0][c] == 0
+    assert not Poses(two).aligned(np.array([0.6, 0.0, 0.8]), 0 * position)  # A leans along Y alone

@@ -135,20 +135,15 @@ class Poses:
         """Positions (A,) within the travels whose tool has the direction `normal` (3,) of the part;
         that with the shortest way of the axis nearest to the part first, then of the other."""
         rows = [self.machine.letters.index(x) for x in self.rotary]
+        travels = [self.machine.axes[x].travel for x in self.rotary]
         found = []
         for angles in _turns_to(self.machine, normal):
-            # The angles come from arctan2, within a turn of zero. Two turns either way hold every
-            # place of a travel of two turns; farther ones are not looked at.
-            for turns in itertools.product((-2, -1, 0, 1, 2), repeat=len(angles)):
+            # the same direction of the tool, other places of the axes: cables tell them apart
+            places = map(_places, angles, position[rows], travels)
+            for place in itertools.product(*places):
                 pose = position.copy()
-                # the same direction of the tool, other places of the axes: cables tell them apart
-                pose[rows] = np.array(angles) + 360.0 * np.array(turns)
-                travels = [self.machine.axes[x].travel for x in self.rotary]
-                if all(
-                    low - 1e-6 <= pose[row] <= high + 1e-6
-                    for row, (low, high) in zip(rows, travels, strict=True)
-                ):
-                    found.append((np.abs(pose - position)[rows].round(6).tolist(), pose))
+                pose[rows] = place
+                found.append((np.abs(pose - position)[rows].round(6).tolist(), pose))
         found.sort(key=lambda one: one[0])
         return [pose for _, pose in found]
 
@@ -171,13 +166,23 @@ class Poses:
         )
 
 
+def _places(angle: float, here: float, travel: tuple[float, float]) -> list[float]:
+    """Degrees: where within the travel an axis has the angle, of whole turns those two either way
+    of the place that is nearest to `here`."""
+    low, high = (travel[0] - 1e-6 - angle) / 360.0, (travel[1] + 1e-6 - angle) / 360.0
+    nearest = round(min(max((here - angle) / 360.0, low), high))
+    turns = range(nearest - 2, nearest + 3)
+    return [angle + 360.0 * turn for turn in turns if low <= turn <= high]
+
+
 def _turns_to(machine: Machine, normal: np.ndarray) -> list[tuple[float, ...]]:
     """Angles of the rotary axes, degrees, in the order of the chain, at which the tool has the
     direction `normal` (3,).
 
     With R1 R2 z = normal the second axis is where the first one's own direction a sees the tool as
     it sees the normal: a . R2 z = a . normal, a sine of the angle; the first then turns R2 z into
-    the normal. Where that leaves the first one free (a pole) it stays at zero.
+    the normal. Where that leaves the first one free (a pole) it stays at zero, and so does a second
+    one along the tool, which turns nothing.
     """
     ways = [np.eye(3)[ROTARY.index(x)] for x in machine.chain.rotary]
     tool = np.array([0.0, 0.0, 1.0])
@@ -189,7 +194,9 @@ def _turns_to(machine: Machine, normal: np.ndarray) -> list[tuple[float, ...]]:
     lifted = second * (second @ tool)
     # a . R2 z is a . lifted + size cos(angle - phase): the angle is phase +- arccos(rest).
     size, phase = np.hypot(first @ along, first @ across), np.arctan2(first @ across, first @ along)
-    rest = (first @ normal - first @ lifted) / size if size > ONE else 2.0
+    if size < ONE:
+        return [(one, 0.0) for (one,) in _about_to(first, tool, normal)]
+    rest = (first @ normal - first @ lifted) / size
     if abs(rest) > 1 + ONE:
         return []
     half_angle = np.arccos(np.clip(rest, -1.0, 1.0))
