@@ -9,6 +9,7 @@ from postproc import intake
 from postproc.errors import GcompError, MachineError, UsageError
 from postproc.machine import places
 from postproc.machine.file import read_machine
+from postproc.machine.toml_file import TomlFile
 from tests.machine_folders import TOML, check, correct, folder, line_of, refusal, swap
 
 # old, new, what stands in the line that is named, what is said
@@ -354,3 +355,30 @@ def test_the_byte_that_is_no_text_is_named_behind_a_byte_order_mark_too():
     assert intake.decoded(b"\xef\xbb\xbfname\n", "a.toml", GcompError) == "name\n"
     with pytest.raises(GcompError, match="a.toml:2: byte 254 is not UTF-8"):
         intake.decoded(b"\xef\xbb\xbfname\n\xfe\xff", "a.toml", GcompError)
+
+
+@pytest.mark.parametrize(
+    "written, line",
+    [
+        ("axes.Z.least_increment = 0.0005\naxes.Z.travel = [0.0, 1.0]\n", 1),
+        ('axes.Z.travel = [0.0, 1.0]\naxes . "Z" . least_increment = 0.0005\n', 2),
+        ("[axes]\nZ.travel = [0.0, 1.0]\nZ.least_increment = 0.0005\n", 3),
+        ("[axes]\nZ = { travel = [0.0, 1.0], least_increment = 0.0005 }\n", 2),
+        ("[axes.Z]\ntravel = [0.0, 1.0]\n", 1),
+        ("title = 'T'\naxes.Z.travel = [0.0, 1.0]\n", 2),
+    ],
+)
+def test_a_key_is_found_however_its_section_is_written(written, line, tmp_path):
+    """The line of the key, and of its section where the key is missing."""
+    (tmp_path / "machine.toml").write_text(written)
+    toml = TomlFile(tmp_path / "machine.toml")
+    assert toml.line("axes.Z", "least_increment") == line
+
+
+def test_keys_with_dots_of_their_own_and_keys_of_keys(tmp_path):
+    text = '[offsets]\n"G54.1" = { X = 0.0 }\nG54.X = 1.0\n[[effect]]\nname = "a"\n[[effect]]\n'
+    (tmp_path / "machine.toml").write_text(text + 'name = "b"\n')
+    toml = TomlFile(tmp_path / "machine.toml")
+    assert [toml.line("offsets", name) for name in ("G54.1", "G54")] == [2, 3]
+    assert [toml.line("effect", "name", k) for k in (0, 1)] == [5, 7]
+    assert [toml.line("effect", "axis", k) for k in (0, 1)] == [4, 6]

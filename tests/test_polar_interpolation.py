@@ -356,3 +356,14 @@ def test_y_elsewhere_is_no_axis(tmp_path):
     machine = load(plain(CHAINS[0], EXX=0.010), tmp_path, "haas-lathe")
     with pytest.raises(GcompError, match="the machine has no axis Y"):
         corrected(machine, "haas-lathe", "G0 X60. Z5. C0.\nG1 X50. Y2. F9.\n")
+
+
+def test_half_a_circle_about_the_line_of_c_beside_a_y_slide(tmp_path):
+    """The middle of both its ends is C's line, where no direction lies across."""
+    machine = load(random_truth(np.random.default_rng(3), CHAINS[1]), tmp_path, "fanuc-lathe")
+    lines = ["G1 X0. C-20. F100.", "G3 X0. C20. I0. J20.", "G1 X4. C20."]
+    _, verifier = corrected(machine, "fanuc-lathe", program(lines, y=True))
+    assert verifier.passed
+    seen = seen_in(machine, np.zeros(3), Space(polar="C"), False)
+    box = np.array([[20.0, 20.0, 20.0, 5.0]]).T
+    assert all(np.isfinite(bound).all() for bound in seen.bounds.local(-box, box))

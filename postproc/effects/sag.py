@@ -21,7 +21,11 @@ from postproc.effects import along as towards
 from postproc.effects._named import by_name
 
 PARAMETERS = {
-    "size_um": "um, at the end of the other axis' travel; of a beam at the middle of both",
+    "size_um": (
+        "um of deviation where what is held at one end gives most; of a beam on two supports what"
+        " its first wave is lowered by, so that with the mass in its middle the deviation there is"
+        " -1.012 times as much"
+    ),
     "along": "0, 1, 2: X, Y, Z, the direction of the error",
     "lever": "1, it grows with the place of the next axis too; 0, it does not",
     "beam": (

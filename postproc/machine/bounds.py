@@ -35,9 +35,12 @@ class Bounds:
         #         .       /        corner lies s / 2 * k / 2 = k s / 4 beside it.
         #    o-----------+
         #      a          a + k
-        total = self._grid_slopes()
+        total = self._grid_kink
         for letter, table in self.machine.every_table:
             low, high = table.slopes.min(axis=(1, 2)), table.slopes.max(axis=(1, 2))
+            first, last = self.machine.reached[letter]
+            if first < table.nodes[0] or last > table.nodes[-1]:  # flat beyond the ends
+                low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
             total += self.at_tip(letter, high - low)
         return total
 
@@ -45,7 +48,7 @@ class Bounds:
         """(N,) kink and (N,) steepness, mm/mm, within boxes from low to high (A, N) mm; see `kink`
         and `steepest`."""
         machine, n = self.machine, low.shape[1]
-        kink, steep = np.full(n, self._grid_slopes()), np.full(n, self._constant)
+        kink, steep = np.full(n, self._grid_kink), np.full(n, self._constant)
         for letter, table in machine.every_table:
             row = machine.letters.index(letter)
             spread, slope = table.slope_range(low[row], high[row])
@@ -145,6 +148,11 @@ class Bounds:
             + self._grid_slopes()
             + sum(float(np.linalg.norm(grid.sizes[3:])) for grid in m.grids)
         )
+
+    @property
+    def _grid_kink(self) -> float:
+        """mm/mm: a slope of a grid may be its steepest up here and down there."""
+        return 2 * self._grid_slopes()
 
     def _grid_slopes(self) -> float:
         grids = self.machine.grids

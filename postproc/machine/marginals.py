@@ -217,8 +217,7 @@ def _places(own: Machine, moving: str, pose: dict[str, float]) -> dict[str, np.n
     places = {}
     for x, axis in own.axes.items():
         if x != moving and x in own.chain.axes:
-            grids = (*axis.grids, *own.axes[moving].grids)
-            extra = [g.others for g in grids if g.other == x]
+            extra = own.knots.get(x, [])
             inside = np.concatenate([[*axis.travel, pose[x]], *extra])
             places[x] = np.unique(np.clip(inside, *axis.travel))
     return places

@@ -91,13 +91,23 @@ class Machine(Stated):
     def _plays(self) -> np.ndarray:
         """(2, A) mm: the smallest and the largest lost motion of each axis, 0 among them."""
         plays = np.zeros((2, len(self.letters)))
-        for row in self.corrected:
-            nodes = np.concatenate(self.knots.get(self.letters[row], [np.zeros(1)]))
-            # Play is linear between the nodes of the axis' own tables, so it is least at one of
-            # them; grids by another axis are looked at where that one stands at zero.
-            place = self.at({self.letters[row]: nodes}, len(nodes))
-            play = self.lost_motion(place, np.array([row]))
-            plays[:, row] = play.min(initial=0.0), play.max(initial=0.0)
+        for letter in (x for x in XYZ if x in self.letters):
+            own, grids = XYZ.index(letter), self.grids_of[letter]
+            nodes = np.unique(np.concatenate(self.knots.get(letter, [np.zeros(1)])))
+            play = np.zeros((2, len(nodes)))
+            for table in self._playing[letter]:
+                play -= 2 * table.half_of(own, nodes)
+            # Play is linear between nodes, by either axis of a grid too, so it is least at some of
+            # them. Second axes stand where they like, each where its own grids take the most.
+            for other in {grid.other for grid in grids}:
+                same = [grid for grid in grids if grid.other == other]
+                places = np.unique(np.concatenate([grid.others for grid in same]))
+                by = np.zeros((len(nodes), len(places)))
+                for grid in same:
+                    by -= 2 * grid.half_of(own, nodes[:, None], places)
+                play += by.min(axis=1), by.max(axis=1)
+            row = self.letters.index(letter)
+            plays[:, row] = play[0].min(initial=0.0), play[1].max(initial=0.0)
         return plays
 
     def lost_motion(self, position: np.ndarray, rows: np.ndarray) -> np.ndarray:

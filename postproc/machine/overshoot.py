@@ -47,19 +47,22 @@ def sentence(component: str, lost: np.ndarray, known_to: float = 0.0) -> str:
 
 
 def of_axis(machine: Machine, letter: str) -> np.ndarray:
-    """(K,) mm or rad: reverse - forward of an axis' own positioning at all its nodes, tables and
-    effects together."""
+    """(K,) mm or rad: reverse - forward of an axis' own positioning at all its nodes, tables,
+    effects and what depends on a second axis together."""
     row = along(letter) if letter in LINEAR else 3 + "ABC".index(letter)
     tables = [table for x, table in machine.every_table if x == letter and np.any(table.half[row])]
-    if not tables:
+    grids = [grid for grid in machine.grids_of[letter] if np.any(grid.half[row])]
+    if not tables and not grids:
         return np.zeros(0)
-    nodes = np.unique(np.concatenate([table.nodes for table in tables]))
-    total: np.ndarray = np.sum(
+    nodes = np.unique(np.concatenate([t.nodes for t in tables] + [g.nodes for g in grids]))
+    total = np.zeros((len(nodes), 1))
+    for table in tables:
         # half is (forward - reverse) / 2: lost motion is -2 half, as in Machine._play
-        [-2 * np.interp(nodes, t.nodes, t.half[row]) for t in tables],
-        axis=0,
-    )
-    return total
+        total[:, 0] -= 2 * np.interp(nodes, table.nodes, table.half[row])
+    for grid in grids:  # at all nodes of their second axes
+        by = 2 * np.asarray(grid.half_of(row, nodes[:, None], grid.others))
+        total = (total[:, :, None] - by[:, None]).reshape(len(nodes), -1)
+    return total.ravel()
 
 
 def found(machine: Machine, letters: str = "") -> list[str]:

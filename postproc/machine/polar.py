@@ -60,7 +60,9 @@ class PolarMachine(TipMachine):
             # along (-c, x) / hypot(x, c), a quarter turn ahead of the place (x, c).
             aside = slides[self.letters.index("Y")] - self.space.across
             x, c = (position[self.letters.index(letter)] for letter in "XC")
-            off[:2] += aside * np.stack([-c, x]) / np.hypot(x, c)
+            # On C's line that is no direction, and no tool comes there.
+            far = np.hypot(x, c)
+            off[:2] += aside * np.stack([-c, x]) / np.where(far > 0, far, 1.0)
         result = np.zeros(position.shape)
         for letter, row in zip("XCZ", off, strict=True):
             if letter in self.letters:

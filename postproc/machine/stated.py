@@ -248,6 +248,8 @@ class Stated:
         # Several things may reverse on one axis: measured tables (at once, way 0), backlash (at
         # once), windup (over its way). One way stands for all of them: that of the largest.
         sizes = {x: [(2 * float(np.abs(t.half[:3]).max()), 0.0)] for x, t in self.tables.items()}
+        for grid in self.grids:
+            sizes.setdefault(grid.letter, []).append((2 * float(np.abs(grid.half[:3]).max()), 0.0))
         for term in self.effects:
             way = getattr(term.module, "ramp_mm", lambda **named: 0.0)(**term.parameters)
             for t in term.tables:

@@ -13,6 +13,8 @@ from postproc.errors import MachineError, Place
 from postproc.machine.axis_file import text_of
 from postproc.records import record
 
+Parts = tuple[str, ...]
+
 
 class TomlFile:
     """A TOML document that knows in which line a key stands."""
@@ -30,33 +32,36 @@ class TomlFile:
     def line(self, section: str, key: str, index: int = 0) -> int:
         """Line of `key` in `section` ("axes.Z"; in the index-th of several), as good as the layout
         lets us find it."""
+        outer = _parts(section)
+        wanted = (*outer, key) if key else outer
         fallback = 0
         for number, here, count, name in self._entries():
-            if not name and here == f"{section}.{key}".lstrip("."):
+            if here == outer and count != index:
+                continue
+            # [axes.X] may also stand as `X = { ... }` below [axes], and its keys as `axes.X.travel`
+            path = (*here, *name)
+            if path[: len(wanted)] == wanted:
                 return number
-            if (here, count) == (section, index):
-                if name == key:
-                    return number
-                fallback = fallback if name else number
-        # [axes.X] may also stand as `X = { ... }` below [axes]: then its line is named.
-        outer, _, name = section.rpartition(".")
-        return fallback or (self.line(outer, name) if outer else 1)
+            if outer and path[: len(outer)] == outer:
+                fallback = fallback or number
+        around, _, own = section.rpartition(".")
+        return fallback or (self.line(around, own) if around else 1)
 
-    def _entries(self) -> Iterator[tuple[int, str, int, str]]:
-        """Line, section, which of several of that name, and key ("" of the section itself)."""
+    def _entries(self) -> Iterator[tuple[int, Parts, int, Parts]]:
+        """Line, section, which of several of that name, and key (none of the section itself)."""
         # tomllib tells values without their lines. So the text is read once more, by its layout,
         # and only when something is wrong: a heading, or `key =` at the start of a line. Keys that
         # a multi-line value holds may be taken for keys of the section: then a line beside the
         # right one is named.
-        here, counts = "", Counter({"": 1})
+        here: Parts = ()
+        counts = Counter({here: 1})
         for number, line in enumerate(intake.lines_of(self.text), 1):
             if header := re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line):
-                # [axes."Z"] is [axes.Z]
-                here = header[1].replace('"', "")
+                here = _parts(header[1])
                 counts[here] += 1
-                yield number, here, counts[here] - 1, ""
-            elif key := re.match(r'\s*"?(.+?)"?\s*=', line):
-                yield number, here, counts[here] - 1, key[1]
+                yield number, here, counts[here] - 1, ()
+            elif key := re.match(r"\s*(.+?)\s*=", line):
+                yield number, here, counts[here] - 1, _parts(key[1])
 
     @property
     def top(self) -> Section:
@@ -77,6 +82,11 @@ class TomlFile:
         if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
             raise self.top.fault(name, f"{what} are sections [[{name}]], with two brackets")
         return [Section(self, name, entry, i) for i, entry in enumerate(entries)]
+
+
+def _parts(key: str) -> Parts:
+    """The parts of a dotted key, without quotes and blanks: axes and X of `axes . "X"`."""
+    return tuple(part.strip("\"'") for part in re.findall(r"""".*?"|'.*?'|[^.\s]+""", key))
 
 
 @record

@@ -26,6 +26,8 @@ def measure(reality: Reality, settings: Settings) -> Signal:
             raise UsageError("every axis travels: across what?", "--set across=X")
         given = {still[0]: 1.0}
     vector = np.array([given.get(x, 0.0) for x in "XYZ"])
+    if not vector.any():
+        raise UsageError("--set across names no direction", "--set across=X")
     vector /= np.linalg.norm(vector)
     columns = found.columns()
     columns["reading_um"] = vector @ reality.error(found.state, ("tool",), found.piece) * 1e3
