@@ -178,3 +178,59 @@ def test_the_studer_has_no_third_axis():
     found = read("laser", real(t))
     assert found.axes == ("X", "Z") and found.sensitive == {"X": 1.0, "Z": 0.0}
     assert found.position("X").tolist() == [0.0, 10.0]  # radius
+
+
+CIRCLE = "G21 G90 G17 G94 G54\nG0 X50 Y0\nG2 X50 Y0 I-50 J0 F1000\nM2\n"
+
+
+@pytest.mark.parametrize(
+    ("instrument", "given", "said"),
+    [
+        ("straightness", {"across": "X0"}, "across=X0 is not a direction"),
+        ("angle", {"about": "X0,Y0"}, "about=X0,Y0 is not a direction"),
+        ("laser", {"along": "Z0"}, "along=Z0 is not a direction"),
+        ("laser", {"along": "X" + 400 * "9"}, "is not like X1,Z-2.5"),
+        ("straightness", {"across": "Y"}, "which has no axis Y"),
+        ("laser", {"along": "X1,Y1"}, "which has no axis Y"),
+        ("laser", {"runs": "0.5"}, "runs=0.5 is not a whole number"),
+        ("probe", {"features": "X:20", "readings": "0.5"}, "readings=0.5 is not a whole number"),
+        ("probe", {"features": "X:20", "readings": "9e6"}, "9,000,000 samples are more"),
+        ("probe", {"features": "X:nan"}, "'X:nan' is no feature"),
+        ("log", {"from": "2", "to": "1.9999"}, "nothing lies between 2 and 1.9999 s"),
+    ],
+)
+def test_settings_that_make_no_reading_are_refused(instrument, given, said):
+    """On a machine of X and Z."""
+    with pytest.raises(UsageError, match=said):
+        read(instrument, real(timed(RESTS[:400] + "\nM2\n", exact("XZ"), Conditions())), **given)
+
+
+def test_a_direction_has_the_length_one_whatever_is_written():
+    settings = instruments.Settings("laser", {"along": ""}, {"along": "X.3,Z-0.4"})
+    assert settings.direction("along") == approx([0.6, 0.0, -0.8])
+    tiny = instruments.Settings("laser", {"along": ""}, {"along": f"Y.{200 * '0'}1"})
+    assert tiny.direction("along") == approx([0.0, 1.0, 0.0])
+    assert instruments.Settings("laser", {"along": ""}, {}).direction("along") is None
+
+
+@pytest.mark.parametrize("centre", ["X0", "X0,Z0"])
+def test_a_centre_in_another_plane_is_refused(centre):
+    with pytest.raises(UsageError, match="the longest arcs turn in X Y"):
+        read("ballbar", real(timed(CIRCLE, MILL, Conditions())), centre=centre)
+
+
+def test_the_feed_of_a_circle_by_its_time_is_told_in_mm_per_minute():
+    """F2 of G93 goes round a circle of 50 mm twice a minute: 2 * 2 pi 50 mm/min."""
+    by_time = CIRCLE.replace("G94", "G93").replace("F1000", "F2")
+    for text, feed in ((CIRCLE, 1000.0), (by_time, 200 * np.pi)):
+        found = read("ballbar", real(timed(text, MILL, Conditions())))
+        assert found.head["feed_mm_min"] == approx(feed, abs=1e-5)
+
+
+def test_samples_of_all_circles_together_are_counted(monkeypatch):
+    """3000 samples a circle, of which two are more than 4000."""
+    monkeypatch.setattr(instruments, "MOST", 4000)
+    two = CIRCLE.replace("M2", "G3 X50 Y0 I-50 J0 F1000\nM2")
+    assert len(read("ballbar", real(timed(CIRCLE, MILL, Conditions())), rate="160")) > 2900
+    with pytest.raises(UsageError, match="samples are more than"):
+        read("ballbar", real(timed(two, MILL, Conditions())), rate="160")

@@ -11,7 +11,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
@@ -102,6 +102,26 @@ class Settings:
             raise self._fault(name, "above zero")
         return value
 
+    def whole(self, name: str, default: int) -> int:
+        """A whole number, one or more."""
+        value = self.number(name, default)
+        if value < 1 or value != int(value):
+            raise self._fault(name, "a whole number of one or more")
+        return int(value)
+
+    def direction(self, name: str, letters: Collection[str] = "XYZ") -> np.ndarray | None:
+        """(3,) of length 1; None where it is not given. letters: axes that it may name."""
+        given = self.place(name)
+        if not given:
+            return None
+        vector = np.array([given.get(x, 0.0) for x in "XYZ"])
+        if not vector.any():
+            raise self._fault(name, "a direction")
+        if strange := [x for x in given if given[x] and x not in letters]:
+            raise self._fault(name, f"for this machine, which has no axis {strange[0]}")
+        vector /= np.abs(vector).max()
+        return vector / np.linalg.norm(vector)
+
     def place(self, name: str) -> dict[str, float]:
         """Axis to number, of "X1,Z-2.5"; empty where it is not given. A letter alone counts 1."""
         result: dict[str, float] = {}
@@ -112,6 +132,8 @@ class Settings:
                 raise self._fault(name, "like X1,Z-2.5")
             value = found[2]
             result[found[1]] = 1.0 if value in ("", "+") else -1.0 if value == "-" else float(value)
+            if not abs(result[found[1]]) <= LARGEST:
+                raise self._fault(name, "like X1,Z-2.5")
         return result
 
 

@@ -66,7 +66,7 @@ def captures(reality: Reality, settings: Settings) -> Captures:
     time = plan.start[piece + 1]
     run: np.ndarray = np.ones(len(piece))
     if settings.text("runs"):
-        number = int(settings.above_zero("runs", 1.0))
+        number = settings.whole("runs", 1)
         run = 1.0 + np.arange(len(piece)) * number // len(piece)
     elif moving:
         row = path.letters.index(moving[0])
@@ -113,17 +113,15 @@ def _feeds(reality: Reality, piece: np.ndarray) -> np.ndarray:
 def direction(captures: Captures, settings: Settings) -> np.ndarray:
     """(3,) unit vector along which is measured: as set, else from the first target to the one
     farthest from it."""
-    given = settings.place("along")
-    vector = np.array([given.get(x, 0.0) for x in XYZ])
-    if not given:
-        place = np.stack(
-            [captures.state.position.get(x, np.zeros(len(captures.piece))) for x in XYZ]
-        )
-        away = place - place[:, :1]
-        # from the first target to the farthest: the diagonal, also of a stair's corners
-        vector = away[:, int(np.argmax((away**2).sum(axis=0)))]
-        if len(captures.moving) == 1:
-            vector = np.array([1.0 if x == captures.moving[0] else 0.0 for x in XYZ])
+    given = settings.direction("along", captures.state.position)
+    if given is not None:
+        return given
+    place = np.stack([captures.state.position.get(x, np.zeros(len(captures.piece))) for x in XYZ])
+    away = place - place[:, :1]
+    # from the first target to the farthest: the diagonal, also of a stair's corners
+    vector = away[:, int(np.argmax((away**2).sum(axis=0)))]
+    if len(captures.moving) == 1:
+        vector = np.array([1.0 if x == captures.moving[0] else 0.0 for x in XYZ])
     size = float(np.linalg.norm(vector))
     if size == 0:
         raise GcompError(

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from postproc.errors import GcompError, UsageError
+from postproc.errors import GcompError
 from postproc.simulate.actual import Reality
 from postproc.simulate.instruments import Settings, Signal, channel_names
 from postproc.simulate.instruments import _targets as targets
@@ -30,11 +30,9 @@ def measure(reality: Reality, settings: Settings) -> Signal:
             "the axes never move between two captures: whose angle?", "a program that travels"
         )
     moving = found.moving[0]
-    given = settings.place("about") or {"X" if moving == "Y" else "Y": 1.0}
-    vector = np.array([given.get(x, 0.0) for x in "XYZ"])
-    if np.linalg.norm(vector) == 0:
-        raise UsageError("--set about names no direction", "--set about=Y")
-    vector /= np.linalg.norm(vector)
+    vector = settings.direction("about")
+    if vector is None:
+        vector = np.array([float(x == ("X" if moving == "Y" else "Y")) for x in "XYZ"])
     turned = found.state.angles.get(moving, np.zeros((3, len(found.piece))))
     # effects give these rows rad instead of mm (State.turned)
     angular = replace(found.state, turned=np.ones(len(found.piece), bool))

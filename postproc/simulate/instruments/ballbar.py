@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.errors import GcompError
+from postproc.errors import GcompError, UsageError
 from postproc.simulate.actual import Reality
 from postproc.simulate.instruments import Settings, Signal, commands, refuse_more
 
@@ -47,6 +47,11 @@ def measure(reality: Reality, settings: Settings) -> Signal:
         letters[first[longest]]: float(at[0, longest]),
         letters[second[longest]]: float(at[1, longest]),
     }
+    if {*centre} != {*plane}:
+        raise UsageError(
+            f"--set centre names {' '.join(centre)}, the longest arcs turn in {' '.join(plane)}",
+            f"--set centre={plane[0]}0,{plane[1]}0",
+        )
     radius = settings.above_zero("radius", float(np.round(c.r0[longest], 6)))
     keep = np.array([n == plane for n in names])
     rows = [letters.index(x) for x in plane]
@@ -73,7 +78,9 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     # the commands of resting slides too: errors hang on them
     columns = {"run": runs, "t_s": state.time, **commands(state)}
     columns |= {"radial_um": (np.hypot(*arm) - radius) * 1e3, "sense": senses}
-    feed = timeline.steps.feed[path.step[piece]]
+    # F of G93 is a share of the step's way a second
+    step, way = path.step[piece], np.bincount(path.step, path.length)
+    feed = timeline.steps.feed[step] * np.where(timeline.steps.inverse[step], way[step], 1.0)
     head = {
         "instrument": TITLE, "centre": centre, "radius_mm": radius,
         "feed_mm_min": float(np.round(np.nanmedian(feed) * 60.0, 6)), "rate_hz": rate,
@@ -86,11 +93,13 @@ def _samples(timeline, piece, sense, sweep, rate: float) -> list[np.ndarray]:
     sense."""
     # arcs one behind the other in one sense are one run; a line or a turn round begins the next
     run = np.cumsum(np.concatenate([[0], (np.diff(piece) != 1) | (np.diff(sense) != 0)]))
-    parts = []
+    parts: list[tuple[np.ndarray, ...]] = []
+    total = 0.0
     for k in range(int(run[-1]) + 1):
         of = np.flatnonzero(run == k)
         begin, end = _middle(timeline, piece[of], sweep[of])
-        refuse_more((end - begin) * rate)
+        total += (end - begin) * rate
+        refuse_more(total)
         t = begin + np.arange(int((end - begin) * rate) + 1) / rate
         parts.append((t, np.full(len(t), k + 1.0), np.full(len(t), sense[of[0]])))
     return [np.concatenate(x) for x in zip(*parts, strict=True)]

@@ -30,12 +30,12 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     rate = settings.above_zero("rate", 1000.0)
     begin = max(settings.number("from", 0.0), 0.0)
     end = min(settings.number("to", timeline.duration), timeline.duration)
-    number = int((end - begin) * rate + 1e-9) + 1
-    if number < 1:
+    if end < begin:
         raise UsageError(
             f"nothing lies between {begin:g} and {end:g} s",
             f"the program takes {timeline.duration:.3f} s",
         )
+    number = int((end - begin) * rate + 1e-9) + 1
     refuse_more(number, "a lower rate, or --set from=... --set to=...")
     time = begin + np.arange(number) / rate
     piece = timeline.plan.at(time)[0]

@@ -15,7 +15,7 @@ from postproc.effects import State
 from postproc.errors import UsageError
 from postproc.simulate import history
 from postproc.simulate.actual import Reality
-from postproc.simulate.instruments import Settings, Signal
+from postproc.simulate.instruments import Settings, Signal, refuse_more
 
 TITLE = "coordinate measuring machine"
 SETTINGS = {
@@ -35,9 +35,10 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     """mm of every feature of every part. Raises UsageError for one that does not fit."""
     timeline = reality.timeline
     features = _features(reality, settings.text("features"))
-    readings = int(settings.above_zero("readings", 3.0))
+    readings = settings.whole("readings", 3)
     part = timeline.steps.part[timeline.path.step]
     parts = np.unique(part)
+    refuse_more(float(len(features) * readings * len(parts)), "fewer: --set readings=3")
     last = np.array([np.flatnonzero(part == p)[-1] for p in parts])
     # each part as the machine was when it was finished
     time = timeline.plan.start[last + 1]
@@ -75,7 +76,7 @@ def _features(reality: Reality, text: str) -> list[tuple[str, str, float]]:
             axis not in reality.machine.letters
             or axis not in "XYZ"
             or kind not in MATERIAL
-            or nominal <= 0
+            or not nominal > 0
         ):
             raise UsageError(
                 f"{item!r} is no feature",

@@ -19,16 +19,12 @@ SETTINGS = {
 def measure(reality: Reality, settings: Settings) -> Signal:
     """um along `across` at every rest. Raises UsageError where no axis rests."""
     found = targets.captures(reality, settings)
-    given = settings.place("across")
-    if not given:
+    vector = settings.direction("across", reality.machine.letters)
+    if vector is None:
         still = [x for x in reality.machine.letters if x in "XYZ" and x not in found.moving]
         if not still:
             raise UsageError("every axis travels: across what?", "--set across=X")
-        given = {still[0]: 1.0}
-    vector = np.array([given.get(x, 0.0) for x in "XYZ"])
-    if not vector.any():
-        raise UsageError("--set across names no direction", "--set across=X")
-    vector /= np.linalg.norm(vector)
+        vector = np.array([float(x == still[0]) for x in "XYZ"])
     columns = found.columns()
     columns["reading_um"] = vector @ reality.error(found.state, ("tool",), found.piece) * 1e3
     return Signal(
