@@ -168,3 +168,33 @@ def test_the_simulators_lost_motion_is_the_first_cause(tmp_path, capfd):
         and first["unit"] == "um"
     )
     assert first["range_um"] == pytest.approx(7.0, abs=0.4) and first["share"] > 0.5
+
+
+def test_u_covers_what_waves_of_the_machine_make_of_the_sizes():
+    """600 circles in both senses that are off by 1 um at random, alike within each sixteenth of a
+    turn: of nothing put in, 95.45 % of the sizes lie within U; of 600 that is known to 0.9 %."""
+    rng, count = np.random.default_rng(7), 96
+    t = (np.arange(count) + 0.5) * 2 * np.pi / count
+    within = []
+    for _ in range(600):
+        traces = []
+        for run, w in ((1, 1), (2, -1)):
+            off = np.repeat(rng.normal(0, 1e-3, 16), count // 16)
+            traces.append(trace(run, w * t, off if w > 0 else off[::-1], RADIUS))
+        found = causes("XY", traces, None)
+        within.append({c.name: abs(c.size) <= c.U for c in found.ranked})
+    share = {name: np.mean([one[name] for one in within]) for name in within[0]}
+    assert min(share.values()) > 0.93 and np.mean([*share.values()]) < 0.99
+
+
+def test_a_sample_a_hair_below_the_first_axis_pulls_too():
+    """Its angle modulo a turn is rounded to a whole turn, behind the last sector."""
+    rng, count = np.random.default_rng(3), 96
+    t = np.arange(count) * 2 * np.pi / count
+    radial = rng.normal(0, 1e-3, count)
+    found = []
+    for first in (-1e-9, -1e-17):
+        angle = np.where(t == 0, first, t)
+        traces = [Trace(1, w, angle, radial, RADIUS, True, 0.1) for w in (1, -1)]
+        found.append({c.name: c.U for c in causes("XY", traces, None).ranked})
+    assert found[0] == pytest.approx(found[1], rel=1e-4)
