@@ -23,6 +23,7 @@ import numpy as np
 from postproc.calibrate import CalibrationError
 from postproc.calibrate.statistics import t_factor
 from postproc.errors import Place
+from postproc.iso.circles import ways
 from postproc.machine.chain import XYZ
 from postproc.recordings import Recording
 
@@ -71,7 +72,7 @@ def fit(recordings: Sequence[Recording], known: Sequence[np.ndarray]) -> Circles
     is missing.
     """
     axes = axes_of(recordings[0])
-    rows, values, sectors, senses = [], [], [], []
+    rows, values, sectors, ways_of = [], [], [], []
     for k, (one, expected) in enumerate(zip(recordings, known, strict=True)):
         part, value, angle, sense = _rows(one, expected, axes)
         #              SHARED   set-up 1   set-up 2       columns: five for all, then three for
@@ -85,9 +86,9 @@ def fit(recordings: Sequence[Recording], known: Sequence[np.ndarray]) -> Circles
         values.append(value)
         turn = np.mod(angle, 2 * np.pi) / (2 * np.pi)  # a whole turn where it is a hair below zero
         sectors.append(np.minimum((turn * SECTORS).astype(int), SECTORS - 1))
-        senses.append(sense)
+        ways_of.append(sense)
     terms, y, sector = np.vstack(rows), np.concatenate(values), np.concatenate(sectors)
-    if len(np.unique(np.concatenate(senses))) < 2:
+    if len(np.unique(np.concatenate(ways_of))) < 2:
         raise CalibrationError(
             "the circles turn one way only: the squareness and axes that follow unlike look the"
             " same",
@@ -132,14 +133,14 @@ def _rows(
         )
     radius = float(one.head["radius_mm"])
     arm = np.stack([one.position(x) - one.head["centre"][x] for x in axes])
-    on = np.abs(np.hypot(*arm) - radius) <= BESIDE
+    on = on_circle(one, arm)
     if on.sum() < LEAST:
         raise CalibrationError(
             f"{int(on.sum())} samples lie on the circle of {radius:g} mm",
             "are centre and radius_mm right?",
             Place(one.file, 1),
         )
-    angle, sense = np.arctan2(arm[1], arm[0])[on], one.columns["sense"][on]
+    angle, sense = np.arctan2(arm[1], arm[0])[on], senses(one, arm, on)[on]
     # directions of motion: while b is above zero a falls, run from a to b (iso/causes.py)
     first, second = -sense * np.sign(np.sin(angle)), sense * np.sign(np.cos(angle))
     columns = np.column_stack([
@@ -147,3 +148,19 @@ def _rows(
         -second * np.sin(angle) / 2, sense * np.sin(2 * angle),
     ])  # fmt: skip
     return columns, one.reading[on] - expected[on], angle, sense
+
+
+def on_circle(one: Recording, arm: np.ndarray) -> np.ndarray:
+    """(N,) bool: which samples lie on the circle. arm (2, N) mm: from the centre."""
+    return np.asarray(np.abs(np.hypot(*arm) - float(one.head["radius_mm"])) <= BESIDE)
+
+
+def senses(one: Recording, arm: np.ndarray, on: np.ndarray) -> np.ndarray:
+    """(N,) +1 where the bar turns from the first axis to the second, -1 back, 0 beside the circle.
+    arm (2, N) mm: from the centre; on (N,): on the circle."""
+    columns, found = one.columns, np.zeros(len(one))
+    run = columns.get("run", np.ones(len(one)))
+    found[on] = ways(
+        np.arctan2(arm[1], arm[0])[on], columns["t_s"][on], run[on], columns["sense"][on]
+    )
+    return found

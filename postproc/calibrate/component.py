@@ -205,7 +205,9 @@ def _one_state(
 def _shared(cells: Cells, other: Series) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Position of every cell that both have, the first's mean there, and the other's less it."""
     theirs = cells_of(other.position, other.approach, other.reading)
-    ways = [0, 1] if cells.two_way and theirs.two_way else [int(theirs.one_way < 0)]
+    # of a file in one direction both rows are alike: it is compared in its own direction
+    single = cells.one_way if theirs.two_way else theirs.one_way
+    ways = [0, 1] if cells.two_way and theirs.two_way else [int(single < 0)]
     if not cells.two_way and not theirs.two_way and cells.one_way != theirs.one_way:
         return np.zeros(0), np.zeros(0), np.zeros(0)
     position, ours, difference = [], [], []
@@ -377,7 +379,7 @@ def _outside(
         # not through the matrix: what the instrument does wrong everywhere alike does not lessen by
         # a difference
         u = np.full(k * ways, one.u)
-    if options.u_temperature and not one.angle and not one.straight:
+    if options.u_temperature and one.component == f"E{one.letter}{one.letter}" and not one.angle:
         length = np.abs(cells.nodes - (cells.nodes[0] if datum is None else datum))
         u = np.hypot(u, np.tile(options.expansion * options.u_temperature * length, ways))
     return u

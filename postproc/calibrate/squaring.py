@@ -183,7 +183,7 @@ def _straightness(calibration: Calibration, name: str) -> Squareness | None:
     if not means:
         return None
     arms = [opening.known_to(calibration, name, c.rest, c.letter) for c in both]
-    scatter = float(np.sqrt(sum(_known(c) ** 2 for c in both) + sum(u**2 for u in arms)))
+    scatter = float(np.linalg.norm([one.u_slope, other.u_slope, *arms]))
     files = " and ".join(dict.fromkeys(c.file for c in both))
     return _with_the_square(name, means, scatter, files, options)
 
@@ -223,8 +223,8 @@ def _with_the_square(
             " dropped out"
         )
         return Squareness(
-            name, sum(means.values()) / 2, scatter / np.sqrt(2), f"two straightnesses, {files}",
-            remark,
+            name, sum(means.values()) / 2, _told(scatter / np.sqrt(2)),
+            f"two straightnesses, {files}", remark,
         )  # fmt: skip
     value = next(iter(means.values()))
     if options.square_error is not None:
@@ -232,7 +232,7 @@ def _with_the_square(
         return Squareness(
             name,
             square.with_square(name, value, over),
-            float(np.hypot(scatter, u)),
+            _told(np.hypot(scatter, u)),
             f"two straightnesses, {files}",
         )
     remark = (
@@ -242,8 +242,9 @@ def _with_the_square(
     return Squareness(name, value, None, f"two straightnesses, {files}", remark)
 
 
-def _known(component: Component) -> float:
-    return 0.0 if not np.isfinite(component.u_slope) else component.u_slope
+def _told(u: float) -> float | None:
+    """u, None where the scatter of single readings says nothing of it."""
+    return float(u) if np.isfinite(u) else None
 
 
 def _diagonals(
@@ -274,7 +275,9 @@ def _diagonals(
         return [], [*findings, Finding("diagonal", "note", "", f"{error.message}: {error.advice}")]
     findings.append(_of_scale(scale, spread))
     files = " and ".join(dict.fromkeys(d.file for d in calibration.diagonals))
-    return [Squareness(n, values[n], u_of[n], f"diagonals, {files}") for n in names], findings
+    return [
+        Squareness(n, values[n], _told(u_of[n]), f"diagonals, {files}") for n in names
+    ], findings
 
 
 def _of_scale(scale: float, spread: list[float]) -> Finding:
@@ -283,7 +286,7 @@ def _of_scale(scale: float, spread: list[float]) -> Finding:
         f"the diagonals have {scale / URAD:+.1f} um/m of scale left that the components do not"
         " explain"
     )
-    u_scale = float(np.sqrt(np.sum(np.square(spread))) / len(spread))
+    u_scale = float(np.sqrt(np.sum(np.square(np.nan_to_num(spread)))) / len(spread))
     level = "doubt" if abs(scale) > max(3 * u_scale, 2 * URAD) else "note"
     return Finding("diagonal", level, "", text, {"scale_um_per_m": scale / URAD})
 
@@ -337,8 +340,9 @@ def _round(calibration: Calibration, recording: Recording, plane: str) -> np.nda
     machine = calibration.machine
     position = machine.at({x: recording.position(x) for x in recording.axes}, len(recording))
     arm = np.stack([recording.position(x) - recording.head["centre"][x] for x in plane])
-    unit = arm / np.hypot(*arm)
-    sense = recording.columns["sense"]
+    far = np.hypot(*arm)
+    unit = arm / np.where(far > 0, far, 1.0)  # the run-in may begin in the middle
+    sense = circles.senses(recording, arm, circles.on_circle(recording, arm))
     # as on any circle (iso/causes.py): the axis moves against the sine, along the cosine of the
     # angle
     ways = zip(plane, (-sense * np.sign(unit[1]), sense * np.sign(unit[0])), strict=True)
@@ -351,7 +355,7 @@ def _round(calibration: Calibration, recording: Recording, plane: str) -> np.nda
 
 def _leftover(calibration: Calibration, diagonal: Diagonal) -> tuple[float, float]:
     """rad: slope over its length of what a diagonal's reading has beyond the components, and its
-    u."""
+    u, NaN where no reading is left to tell it."""
     # Squareness makes one diagonal of a face longer and the other as much shorter, scales make both
     # longer (ISO 230-6): of what the components leave, the slope over the length tells all of it.
     machine = calibration.machine
@@ -371,6 +375,7 @@ def _leftover(calibration: Calibration, diagonal: Diagonal) -> tuple[float, floa
     terms = terms[:, terms.any(axis=0)]
     fit, *_ = np.linalg.lstsq(terms, left, rcond=None)
     rest = left - terms @ fit
-    free = max(1, len(left) - terms.shape[1])
     # slope, and its u: residual scatter times the root of its element of (T'T)**-1
-    return float(fit[0]), float(np.sqrt(rest @ rest / free * np.linalg.pinv(terms.T @ terms)[0, 0]))
+    free = len(left) - terms.shape[1]
+    own = np.linalg.pinv(terms.T @ terms)[0, 0]
+    return float(fit[0]), float(np.sqrt(rest @ rest / free * own)) if free > 0 else np.nan

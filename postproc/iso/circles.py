@@ -161,6 +161,18 @@ class Pair:
         ) / 2 - self.forth.nominal
 
 
+def ways(angle: np.ndarray, time: np.ndarray, *parts: np.ndarray) -> np.ndarray:
+    """(N,) +1 where a run turns from the first axis towards the second, -1 back, by its samples
+    (N,) in order of time. parts: (N,) each, alike within a run. (Counter-clockwise, as `sense` says
+    it, is the other way in a plane that is looked at from behind.)"""
+    found = np.zeros(len(angle))
+    for part in np.unique(np.stack(parts), axis=1).T:
+        rows = np.flatnonzero((np.stack(parts) == part[:, None]).all(axis=0))
+        turned = np.unwrap(angle[rows[np.argsort(time[rows], kind="stable")]])
+        found[rows] = 1.0 if turned[-1] >= turned[0] else -1.0
+    return found
+
+
 def _covered(angle: np.ndarray, other: np.ndarray, gap: float) -> np.ndarray:
     """Which angles lie within the arc of the other run."""
     # an arc as its middle and half its width: angles may run across 360 degrees

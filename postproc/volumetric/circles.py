@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from postproc.errors import Place
+from postproc.iso.circles import ways as ways_of
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.recordings import Recording
@@ -32,10 +33,12 @@ PARTS = 16
 HELD = 1.0  # mm, standard deviation of the centre's place: a ball on a table is set by the slides
 
 
-def _parts(run: np.ndarray, sector: np.ndarray, on: np.ndarray) -> list[np.ndarray]:
-    """(N,) bool for each sector of each run that has samples on the circle."""
-    places = itertools.product(np.unique(run), range(SECTORS))
-    parts = (on & (run == number) & (sector == k) for number, k in places)
+def _parts(
+    run: np.ndarray, sense: np.ndarray, sector: np.ndarray, on: np.ndarray
+) -> list[np.ndarray]:
+    """(N,) bool for each sector of each run, in one sense, that has samples on the circle."""
+    places = itertools.product(np.unique(run), (-1.0, 1.0), range(SECTORS))
+    parts = (on & (run == number) & (sense == s) & (sector == k) for number, s, k in places)
     return [part for part in parts if part.any()]
 
 
@@ -59,25 +62,28 @@ def rows_of(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
     """
     axes = _two_slides(recording, machine)
     where, centre = list(map(machine.letters.index, axes)), recording.head["centre"]
-    radius, sense = float(recording.head["radius_mm"]), recording.columns["sense"]
+    radius, columns = float(recording.head["radius_mm"]), recording.columns
     arm = base.q[where] - np.array([[float(centre[x])] for x in axes])
     on = np.abs(np.hypot(*arm) - radius) <= BESIDE
-    if len(np.unique(np.sign(sense[on]))) < 2:
+    run, sense = columns.get("run", np.ones(len(on))), np.zeros(len(on))
+    angle = np.arctan2(arm[1], arm[0])
+    sense[on] = ways_of(angle[on], columns["t_s"][on], run[on], columns["sense"][on])
+    if len(np.unique(sense[on])) < 2:
         raise VolumetricError(
             "the circles turn one way only: squareness and axes that follow unlike look the same",
             "record both senses",
             Place(recording.file, 1),
         )
-    turn = np.mod(np.arctan2(arm[1], arm[0]), 2 * np.pi)
+    turn = np.mod(angle, 2 * np.pi)
     sector = np.minimum((turn / (2 * np.pi) * SECTORS).astype(int), SECTORS - 1)
-    groups = _parts(recording.columns["run"], sector, on)
+    groups = _parts(run, sense, sector, on)
     q = np.stack([base.q[:, g].mean(axis=1) for g in groups], axis=1)
     # the mean of a sector lies inside of its arc
     middle = np.array([turn[g].mean() for g in groups])
     for i, x, way in zip(where, axes, (np.cos(middle), np.sin(middle)), strict=True):
         q[i] = float(centre[x]) + radius * way
     approach = np.zeros_like(q)
-    ways = np.array([np.sign(sense[g].mean()) for g in groups])
+    ways = np.array([sense[g][0] for g in groups])
     # As in iso/causes.py: run from the first axis to the second, the first falls while the second
     # is above zero.
     approach[where[0]] = -ways * np.sign(np.sin(middle))

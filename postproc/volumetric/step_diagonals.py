@@ -47,7 +47,7 @@ def across(sideways: np.ndarray) -> np.ndarray:
     stair in a plane."""
     # The mirror may lean about both directions across the beam, but only those that the stair moved
     # in change a reading: the others would be numbers without a reading.
-    directions, sizes, _ = np.linalg.svd(sideways)
+    directions, sizes, _ = np.linalg.svd(sideways, full_matrices=False)
     return directions[:, : len(sizes)][:, sizes > STEP].T
 
 

@@ -193,3 +193,29 @@ def test_a_plane_that_the_machine_has_not_is_refused():
             [*only, circle("XY", equation(0, 0, (0, 0), 0))],
             Options(parse("w-b-Z-X-t"), keep_all=True),
         )
+
+
+@pytest.mark.parametrize("plane", ["XY", "XZ"])
+def test_the_way_round_is_told_by_the_samples_and_runs_may_have_no_number(plane):
+    """Counter-clockwise in XZ may be told as it is seen from +Y, from Z to X: lost motion has its
+    sign all the same. Without a column `run` the two senses are still two runs."""
+    one = circle(plane, equation(80e-6, -25e-6, (0.006, 0.002), 0.004))
+    from_behind = one.columns | {"sense": -one.columns["sense"]}
+    without = {name: column for name, column in one.columns.items() if name != "run"}
+    for columns in (from_behind, without):
+        found = circles.fit([replace(one, columns=columns)], [np.zeros(len(one))])
+        assert found.play == approx((0.006, 0.002), abs=1e-7)
+        assert found.square == approx(80e-6, abs=1e-9)
+
+
+def test_play_that_the_map_has_is_taken_off_whatever_the_senses_are_called():
+    """6 um of lost motion of X in the components and on the circle: nothing is beyond the map."""
+    machine = truth(np.random.default_rng(3), parse("w-X-Y-b-Z-t"))
+    parts = measured(machine, "scattered")
+    told = []
+    for sign in (1.0, -1.0):
+        one = circle("XY", equation(0.0, 0.0, (0.006, 0.0), 0.0))
+        one.columns["sense"] = sign * one.columns["sense"]
+        found = calibrate([*parts, one], Options(parse("w-X-Y-b-Z-t"), keep_all=True)).findings
+        told.append([f.numbers["play_um"] for f in found if "play_um" in f.numbers])
+    assert told[0] == approx(told[1]) and len(told[0]) == 2

@@ -350,3 +350,45 @@ def test_a_head_that_says_compensated_is_believed():
         calibrate(parts, Options(GRINDER))
     found = calibrate(parts[1:], Options(GRINDER)).findings
     assert any(f.check == "state" and "what was left" in f.message for f in found)
+
+
+def test_the_temperature_of_a_scale_has_a_part_in_a_length_alone():
+    """1 K on 360 degrees of C is no length: EXC is as well known as without it; EXX over 300 mm is
+    known by 11.5e-6 * 300 mm = 3.45 um less."""
+    rng = np.random.default_rng(1)
+    for letter, far, extra in (("C", 360.0, 0.0), ("X", 300.0, 3.45 * UM)):
+        targets = np.tile(np.linspace(0.0, far, 7), 4)
+        unit = "deg" if letter == "C" else "mm"
+        columns = {
+            "run": np.repeat([1.0, 2.0, 3.0, 4.0], 7),
+            f"{letter}_{unit}": targets,
+            f"approach_{letter}": np.tile([1.0, -1.0], 2).repeat(7),
+            "reading_um": rng.normal(0, 0.1, 28),
+        }
+        head = {"quantity": "displacement", "sensitive": {"X": 1.0}}
+        one = assign(Recording("targets", head, columns, "c.csv", np.arange(28)))
+        plain, warm = (build([one], Options(MILL, u_temperature=k)) for k in (0.0, 1.0))
+        assert one.component == f"EX{letter}"
+        assert np.sqrt(warm.u**2 - plain.u**2)[:, -1] == approx(extra, abs=1e-9)
+
+
+@pytest.mark.parametrize("ways", [(-1,), (1,)])
+def test_a_file_in_one_direction_is_joined_to_both_in_its_own(ways):
+    """The first file was read in one direction, the second, which lies 7 um higher and reverses by
+    4 um, in both: the zero of the second follows from the direction that both have."""
+    nodes = np.linspace(0.0, 300.0, 7)
+
+    def made(ways, zero):
+        columns = {
+            "run": np.ones(7 * len(ways)),
+            "X_mm": np.tile(nodes, len(ways)),
+            "approach_X": np.repeat(np.array(ways, float), 7),
+            "reading_um": np.concatenate([zero + 2.0 * way + nodes / 30 for way in ways]),
+        }
+        head = {"quantity": "displacement", "sensitive": {"X": 1.0}}
+        rows = np.arange(len(columns["run"]))
+        return assign(Recording("targets", head, columns, "x.csv", rows))
+
+    found = build([made(ways, 0.0), made((1, -1), 7.0)], Options(MILL))
+    assert found.cells.s[found.cells.n > 1] == approx(0.0, abs=1e-12)
+    assert found.reversal == approx(4.0 * UM)

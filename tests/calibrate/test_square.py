@@ -276,3 +276,27 @@ def test_u_of_two_diagonals_is_that_of_their_formula_by_differences():
     slopes = [(skew(lengths + d) - skew(lengths - d)) / (2 * step) for d in step * np.eye(4)]
     found = u_of_diagonals(520.0, 480.0, (400.0, 300.0), 0.01)
     assert found == approx(0.01 * np.linalg.norm(slopes), rel=1e-6)
+
+
+def test_the_square_of_single_readings_has_no_u():
+    """One run and no u_um: nothing says how far either line may be off, and 0 is no answer."""
+    rng = np.random.default_rng(9)
+    machine = without_line(two_axes(rng))
+    parts = on_a_square(rng, machine, 120.0, 35.0, 200.0, False, reference="square 7", runs=1)
+    options = Options(GRINDER, square_error=(35e-6, 5e-6))
+    found = calibrate(parts, options).squareness["B0X"]
+    assert found.value / URAD == approx(120.0, abs=3.0) and found.u is None
+
+
+def test_diagonals_of_two_places_have_no_u():
+    """A height and a slope go through two readings: none is left to tell how well."""
+    rng = np.random.default_rng(3)
+    machine = without_line(two_axes(rng))
+    diagonals = []
+    for down in (False, True):
+        one = face_diagonal(rng, machine, 100.0, down, runs=1)
+        up = np.flatnonzero(one.approach("X") > 0)
+        diagonals.append(one.pick(up[[0, -1]]))
+    found = calibrate(everything(rng, machine, REST) + diagonals, Options(GRINDER))
+    assert found.squareness["B0X"].value / URAD == approx(100.0, abs=10.0)
+    assert found.squareness["B0X"].u is None

@@ -143,3 +143,17 @@ def test_circles_at_several_places_are_a_map(tmp_path, capsys):
     groups = [g for g in every if g.name in (*PLANE, "B:X", "B:Y")]
     u = solve.fit(rows, Unknowns(tuple(groups), BARE, BARE)).at(q, way, MILL.tool)[1]
     assert (np.abs(left[:2]) <= 2 * u[:2]).mean() > 0.8
+
+
+def test_senses_may_be_told_from_behind_and_runs_may_have_no_number():
+    """Which way a run turns is in its samples; a file without `run` has one run in each sense."""
+    for change in ("sense", "run"):
+        error = circle(lambda x, y, a, b: (-80e-3 * y - 3.0 * a, -1.0 * b))
+        if change == "sense":
+            error.columns["sense"] = -error.columns["sense"]
+        else:
+            del error.columns["run"]
+        fit = fit_of(error, keep=("C0Y",))
+        assert value(fit, "C0Y")[0] * 1e6 == pytest.approx(80.0, abs=0.05)
+        assert value(fit, "B:X")[0] * 1e3 == pytest.approx(-6.0, abs=0.02)
+        assert len(fit.rows[0]) == 2 * 180
