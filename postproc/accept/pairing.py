@@ -15,6 +15,7 @@ from postproc.recordings import Recording
 
 SAME = 1e-3  # mm: targets that differ by less are the same, written with fewer digits
 ALIKE = 0.9999  # cosine of the angle between the directions of two readings
+STOOD = 0.1  # mm: axes at rest that differ by less stood at one place
 NEAR = 0.6  # mm: a corrected target lies no farther from its nominal one (max_correction 0.5 mm)
 
 
@@ -69,7 +70,7 @@ def pairs(
 def _partner(motion: Motion, new: list[Motion]) -> Motion:
     """The one of `new` that is the same motion."""
     # by what was measured, not by the files' order: a person may name them as they come
-    same = [m for m in new if _key(m) == _key(motion)]
+    same = [m for m in new if _same(m, motion)]
     if len(same) != 1:
         files = ", ".join(m.recording.file for m in same)
         raise AcceptError(
@@ -80,13 +81,13 @@ def _partner(motion: Motion, new: list[Motion]) -> Motion:
     return same[0]
 
 
-def _key(motion: Motion) -> tuple[object, ...]:
-    return (
-        motion.test,
-        motion.subject,
-        motion.axes,
-        # to 0.1 mm: where the others stood is read off a display, and a correction moves them by um
-        tuple((x, round(v, 1)) for x, v in sorted(motion.at.items())),
+def _same(one: Motion, other: Motion) -> bool:
+    """Whether both are of one test along one line."""
+    if (one.test, one.subject, one.axes) != (other.test, other.subject, other.axes):
+        return False
+    # where the others stood is read off a display, and a correction moves them by um
+    return one.at.keys() == other.at.keys() and all(
+        abs(one.at[x] - other.at[x]) < STOOD for x in one.at
     )
 
 
@@ -161,13 +162,14 @@ def _nearest(
 ) -> tuple[Recording, np.ndarray] | None:
     """The recording along the same direction whose targets lie nearest, and (R, A) mm its target
     next to each of `own`."""
+    from scipy.spatial import cKDTree  # not all pairs: of fine records they are billions
+
     # the nearest of several diagonals or lines with the same axes: by direction first, then by
     # targets
     found = []
     for other, points in before:
         if _alike(recording, other):
-            apart = np.abs(own[:, None, :] - points[None, :, :]).max(axis=2)
-            found.append((other, points[apart.argmin(axis=1)]))
+            found.append((other, points[cKDTree(points).query(own, p=np.inf)[1]]))
     return min(found, key=lambda one: float(np.abs(own - one[1]).max()), default=None)
 
 

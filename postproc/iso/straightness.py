@@ -15,7 +15,7 @@ from postproc.iso.lines import Line, reference, straightness_error
 from postproc.iso.positioning import Positioning
 from postproc.iso.sampling import LEVEL, draws, noise_of, shared_ends
 
-CELLS = 4_000_000  # numbers held at once
+ROUNDING = 1e-12  # of the width of a zone
 NAMES = ("straightness", "straightness +", "straightness -")
 
 
@@ -107,21 +107,29 @@ def _fits(kind: str, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _narrowest(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The narrowest zone is parallel to a line through two of its points: all pairs are tried."""
-    i, j = np.triu_indices(len(x), 1)
-    zones, slopes = [], []
-    # draws at once: pairs times targets numbers for each
-    size = max(1, CELLS // (len(i) * len(x)))
-    for part in (y[k : k + size] for k in range(0, len(y), size)):
-        #     --o---------o--      Two parallels that touch one point each can still be turned, and
-        #       :  .   .  :        one way makes them narrower. So one of them goes through two
-        #     ------o--------      points: all m (m - 1) / 2 slopes are tried, for every draw.
-        slope = (part[:, j] - part[:, i]) / (x[j] - x[i])
-        width = np.ptp(part[:, None, :] - slope[:, :, None] * x, axis=2)
-        best = width.argmin(axis=1)
-        zones.append(width[np.arange(len(part)), best])
-        slopes.append(slope[np.arange(len(part)), best])
-    return np.concatenate(zones), np.concatenate(slopes)
+    """Zone and slope (D,) of the narrowest parallels, of each row of y (D, m); x ascending."""
+    #   width \      /      The width of the zone by the slope of its lines is convex and made of
+    #          \   _/       straight pieces, one for each pair of points that it touches. Of the
+    #           \_o         pieces known to either side of the least the crossing is looked at; its
+    #             slope     own piece takes the place of one, until it lies on both.
+    every, far = np.arange(len(y)), x[-1] - x[0]
+    # height at slope 0, and rise, of a piece that falls and of one that rises
+    falls = np.stack([y[:, -1] - y[:, 0], np.full(len(y), -far)])
+    rises, before = -falls, np.full(len(y), np.nan)
+    for _ in range(len(x) + 10):
+        slope = (rises[0] - falls[0]) / (falls[1] - rises[1])
+        off = y - slope[:, None] * x
+        high, low = off.argmax(axis=1), off.argmin(axis=1)
+        width = off[every, high] - off[every, low]
+        piece = np.stack([y[every, high] - y[every, low], x[low] - x[high]])
+        more = width - (falls[0] + falls[1] * slope) > ROUNDING * width
+        more &= (piece[1] != 0) & (slope != before)
+        if not more.any():
+            break
+        before = slope
+        falls = np.where(more & (piece[1] < 0), piece, falls)
+        rises = np.where(more & (piece[1] > 0), piece, rises)
+    return width, slope
 
 
 # name, and whether a positive one makes the angle larger (1) or smaller (-1)

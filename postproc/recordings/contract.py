@@ -153,6 +153,9 @@ def _check_ballbar(head: dict[str, Any], fault: Callable[..., GcompError]) -> No
     """Radius and centre."""
     if not intake.finite(head.get("radius_mm")) or head["radius_mm"] <= 0:
         raise fault("radius_mm", f"{_said(head, 'radius_mm')}: a length above zero is wanted")
+    feed = head.get("feed_mm_min", 1.0)
+    if not intake.finite(feed) or feed <= 0:
+        raise fault("feed_mm_min", f"{_said(head, 'feed_mm_min')}: a number above zero is wanted")
     if not _is_place(head.get("centre")):
         raise fault(
             "centre",

@@ -319,3 +319,27 @@ def test_the_shipped_recordings_are_the_simulators_and_are_accepted(tmp_path, mo
         assert Path(name.name).read_bytes() == name.read_bytes()
     assert gcomp("accept", *names, "--machine", "studer-s36") == 0
     assert "all signs that can be told are right (3 of 3)" in capsys.readouterr().out
+
+
+def test_a_line_is_the_same_on_both_sides_of_a_rounded_tenth():
+    """X at rest at 80.0498 before and at 80.0502 after: 0.4 um apart, and rounded 80.0 and 80.1."""
+    rng = np.random.default_rng(2)
+    axis = two_axes(rng)["Z"]
+    before, after = (recording(rng, axis, "EZZ", {"X": at}) for at in (80.0498, 80.0502))
+    ((one, other),) = pairing.pairs([before], [after], False)
+    assert (one.at["X"], other.at["X"]) == (approx(80.0498), approx(80.0502))
+
+
+def test_many_places_of_a_fine_record_are_paired_without_all_pairs():
+    """20,000 places: 400 million pairs would take 10 GB."""
+    rng = np.random.default_rng(2)
+    n = 20_000
+    table = {
+        "X_mm": np.linspace(0.0, 400.0, n),
+        "approach_X": np.ones(n),
+        "reading_um": rng.normal(0, 1, n),
+    }
+    head = {"quantity": "displacement", "sensitive": {"X": 1.0}}
+    one = Recording("targets", head, table, "x.csv", np.arange(n))
+    places = pairing._points(one)
+    assert (pairing._nearest(one, places, [(one, places)])[1] == places).all()

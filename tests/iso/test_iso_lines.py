@@ -185,3 +185,28 @@ def test_a_reading_towards_minus_counts_the_other_way():
         turned[-1]["C0Y"].value == pytest.approx(plain[-1]["C0Y"].value) == pytest.approx(20 * URAD)
     )
     assert any("their sign is turned" in n for n in turned[1].notices)
+
+
+@pytest.mark.parametrize("count", [2, 3, 5, 12])
+def test_the_narrowest_parallels_of_many_rows_are_those_of_every_pair(count):
+    """By trying the slopes of all pairs, as `test_minimum_zone_line_against_every_pair` does; with
+    readings that are equal, and on a line that rises by 3."""
+    rng = np.random.default_rng(count)
+    x = np.sort(rng.uniform(0, 1000, count))
+    y = np.concatenate([rng.normal(0, 1, (50, count)), rng.integers(0, 2, (50, count))])
+    y = np.concatenate([y, 1e-4 * y + 3 * x])
+    zone, slope = straightness._narrowest(x, y)
+    slopes = [
+        (y[:, k] - y[:, i]) / (x[k] - x[i]) for i, k in itertools.combinations(range(count), 2)
+    ]
+    least = np.min([np.ptp(y - s[:, None] * x, axis=1) for s in slopes], axis=0)
+    assert zone == pytest.approx(least, abs=1e-11)
+    assert np.ptp(y - slope[:, None] * x, axis=1) == pytest.approx(zone, abs=1e-11)
+
+
+def test_the_narrowest_parallels_of_many_targets_take_no_pairs():
+    """2000 targets have two million pairs; the zone of 1000 draws is found in a second."""
+    x = np.arange(2000.0)
+    y = np.random.default_rng(1).normal(0, 1, (1000, 2000))
+    zone, _ = straightness._narrowest(x, y)
+    assert zone[0] == pytest.approx(straightness_error("minimum-zone", x, y[0]), rel=1e-9)

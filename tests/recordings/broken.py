@@ -161,6 +161,14 @@ CASES: list[tuple[str, str, str | bytes, dict, str, int]] = [
         4,
     ),
     (
+        "own: circle of a feed in words",
+        "a.csv",
+        swap(BALL, "100.0\n", '100.0\n# feed_mm_min = "fast"\n'),
+        {},
+        "feed_mm_min = 'fast': a number above zero is wanted",
+        5,
+    ),
+    (
         "own: centre of another axis",
         "a.csv",
         swap(BALL, "Y = 0.0", "Z = 0.0"),
