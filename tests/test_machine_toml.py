@@ -382,3 +382,12 @@ def test_keys_with_dots_of_their_own_and_keys_of_keys(tmp_path):
     assert [toml.line("offsets", name) for name in ("G54.1", "G54")] == [2, 3]
     assert [toml.line("effect", "name", k) for k in (0, 1)] == [5, 7]
     assert [toml.line("effect", "axis", k) for k in (0, 1)] == [4, 6]
+
+
+def test_an_axis_that_is_no_section_is_called_so(tmp_path):
+    (tmp_path / "machine.toml").write_text(
+        'format = "gcomp-machine/1"\nname = "m"\ncontrol = "grbl"\nchain = "w-b-X-t"\naxes.X = 5\n'
+    )
+    with pytest.raises(MachineError, match=r"axes.X = 5 must be a section \[axes.X\]") as said:
+        read_machine(tmp_path)
+    assert said.value.place.line == 5

@@ -3,7 +3,9 @@ deviation, and what tables of one axis can not hold. By hand."""
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ import pytest
 from postproc.compensate import Options
 from postproc.compensate.settings import Settings
 from postproc.effects.sag import OPTIONAL
+from postproc.errors import MachineError
 from postproc.machine import overshoot, places
 from postproc.machine.effect_file import term
 from postproc.machine.marginals import marginals
@@ -111,3 +114,39 @@ def test_a_sag_that_is_largest_in_the_middle_of_a_second_axis_is_seen_there():
     # sin(n pi / 2)^2 / n^4 of the waves 1 and 3: 1 + 1/81, downwards
     assert sag.grids[0].forward[2].min() == pytest.approx(-30 * (1 + 1 / 81) * UM)
     assert "up to 30.37 um" in said
+
+
+def five_axes(folder: Path, key: str, table: str) -> Machine:
+    """example-five-axis with a table over two axes, named by the first of them."""
+    shutil.copytree(Path(__file__).resolve().parents[1] / "machines" / "example-five-axis", folder)
+    (folder / "by.csv").write_text(table)
+    text = (folder / "machine.toml").read_text()
+    head = f"[axes.{key[0]}]\n"
+    by = f'by = {{ {key[1]} = "by.csv" }}\n'
+    (folder / "machine.toml").write_text(text.replace(head, head + by))
+    return places.load(str(folder))
+
+
+def grid_of(key: str, last: float = 0.0) -> str:
+    """EX of the first axis: 10 um with C at 90, -10 um at 270, alike wherever X stands."""
+    turn = [(0, 0.0), (90, 10.0), (180, 0.0), (270, -10.0), (360, last)]
+    rows = [({"X": x, "C": c}, um) for x in (-300, 300) for c, um in turn]
+    names = {"X": "X_mm", "C": "C_deg"}
+    lines = [f"{names[key[0]]},{names[key[1]]},EX{key[0]}_um"]
+    return "\n".join(lines + [f"{at[key[0]]},{at[key[1]]},{um}" for at, um in rows]) + "\n"
+
+
+@pytest.mark.parametrize("key", ["XC", "CX"])
+def test_a_full_turn_of_an_axis_is_repeated_over_its_travel(key, tmp_path):
+    """C travels 20 turns either way: at 3690 and at -3510 it stands as at 90."""
+    (grid,) = five_axes(tmp_path / "m", key, grid_of(key)).grids
+    at = np.array([90.0, 3690.0, -3510.0, -90.0, 7110.0])
+    there = (0 * at, at) if key == "XC" else (at, 0 * at)
+    value = grid.evaluate(*there, 0 * at)[0]
+    assert value / UM == pytest.approx([10.0, 10.0, 10.0, -10.0, -10.0])
+
+
+def test_a_turn_of_a_second_axis_that_does_not_close_is_refused(tmp_path):
+    with pytest.raises(MachineError, match="EXX ends a full turn of C with another value") as said:
+        five_axes(tmp_path / "m", "XC", grid_of("XC", last=2.0))
+    assert said.value.place.file.endswith("by.csv")

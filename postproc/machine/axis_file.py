@@ -9,13 +9,17 @@ from __future__ import annotations
 import csv
 import math
 import re
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from postproc import intake
 from postproc.errors import MachineError, Place
 from postproc.expressions import expression
+from postproc.machine.axis import Axis
 from postproc.machine.chain import ROTARY
 from postproc.machine.tables import COMPONENTS, AxisTable, AxisUncertainty, GridTable
 from postproc.units import UM, URAD
@@ -165,36 +169,61 @@ def read_grid(path: Path, letter: str, other: str, max_slope: float) -> GridTabl
 def over_turns(table: AxisTable, low: float, high: float, path: Path) -> AxisTable:
     """A table of one full turn, repeated over a travel of several. Others stay as they are. Raises
     MachineError where a turn does not end as it began."""
-    if abs(table.nodes[-1] - table.nodes[0] - TURN) > 1e-9 or (
-        table.nodes[0] <= low and high <= table.nodes[-1]
-    ):
+    laid = _laid_out(table.nodes, low, high)
+    if laid is None:
         return table
+    nodes, which = laid
     for values in (table.forward, table.reverse):
-        gap = np.abs(values[:, -1] - values[:, 0])
-        if gap.max() > 0:
-            name = f"{COMPONENTS[int(np.argmax(gap))]}{table.letter}"
-            raise MachineError(
-                f"{name} ends a full turn with another value than it began",
-                "the last node is the first one again",
-                Place(str(path), 1),
-            )
+        _check_turn(values, table.letter, table.letter, path)
+    return AxisTable(
+        table.letter, nodes, table.forward[:, which], table.reverse[:, which], table.stated
+    )
+
+
+def grid_over_turns(grid: GridTable, axes: Mapping[str, Axis], path: Path) -> GridTable:
+    """The same of a table over two axes, by each of them that turns."""
+    for k, x in enumerate((grid.letter, grid.other)):
+        nodes = grid.others if k else grid.nodes
+        if x not in ROTARY or x not in axes or not (laid := _laid_out(nodes, *axes[x].travel)):
+            continue
+        both = [np.moveaxis(v, 1 + k, 1) for v in (grid.forward, grid.reverse)]
+        for values in both:
+            _check_turn(values, grid.letter, x, path)
+        forward, reverse = (np.moveaxis(v[:, laid[1]], 1, 1 + k) for v in both)
+        more: dict[str, Any] = {("nodes", "others")[k]: laid[0]}
+        grid = replace(grid, forward=forward, reverse=reverse, **more)
+    return grid
+
+
+def _check_turn(values: np.ndarray, letter: str, by: str, path: Path) -> None:
+    """Raises MachineError where values (6, K ...) do not end a turn of the axis `by` as they
+    began it."""
+    gap = np.abs(values[:, -1] - values[:, 0]).reshape(6, -1).max(axis=1)
+    if gap.max() > 0:
+        name = f"{COMPONENTS[int(np.argmax(gap))]}{letter}"
+        raise MachineError(
+            f"{name} ends a full turn{f' of {by}' if by != letter else ''} with another value than"
+            " it began",
+            "the last node is the first one again",
+            Place(str(path), 1),
+        )
+
+
+def _laid_out(nodes: np.ndarray, low: float, high: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """(M,) nodes (K,) of a full turn laid out over a travel, and (M,) which of the K each is; None
+    of what is no full turn, or goes over the travel already."""
+    if abs(nodes[-1] - nodes[0] - TURN) > 1e-9 or (nodes[0] <= low and high <= nodes[-1]):
+        return None
     #    0 ......... 360 ......... 720    the last node of a turn is the first of the next: it
-    #    '- turn 0 -' '- turn 1 -'        is kept once (values[:, :-1]), at the very end again
+    #    '- turn 0 -' '- turn 1 -'        is kept once, at the very end again
     # A table that never ends may state a travel of any size: 100 turns each way are laid out, and
     # beyond them the value at whole turns holds.
-    before = max(0, math.ceil((table.nodes[0] - max(low, -100 * TURN)) / TURN))
-    after = max(0, math.ceil((min(high, 100 * TURN) - table.nodes[-1]) / TURN))
+    before = max(0, math.ceil((nodes[0] - max(low, -100 * TURN)) / TURN))
+    after = max(0, math.ceil((min(high, 100 * TURN) - nodes[-1]) / TURN))
     turns = np.arange(-before, after + 1)
-    nodes = np.concatenate(
-        [table.nodes[:-1] + TURN * k for k in turns] + [table.nodes[-1:] + TURN * after]
-    )
-
-    def repeated(values: np.ndarray) -> np.ndarray:
-        return np.concatenate([np.tile(values[:, :-1], len(turns)), values[:, -1:]], axis=1)
-
-    return AxisTable(
-        table.letter, nodes, repeated(table.forward), repeated(table.reverse), table.stated
-    )
+    laid = [nodes[:-1] + TURN * k for k in turns] + [nodes[-1:] + TURN * after]
+    last = len(nodes) - 1
+    return np.concatenate(laid), np.append(np.tile(np.arange(last), len(turns)), last)
 
 
 def position_name(letter: str) -> str:

@@ -38,8 +38,10 @@ def read_axis(
     """Its tables' bytes go into the digest of the map. Raises MachineError with the line of what is
     not as the format says."""
     section = Section(toml, f"axes.{letter}", data)
-    if letter not in tuple(LINEAR + ROTARY) or not isinstance(data, dict):
+    if letter not in tuple(LINEAR + ROTARY):
         raise section.fault("", f"[{section.name}]: an axis is one of X Y Z A B C U V W")
+    if not isinstance(data, dict):
+        raise section.fault("", f"{section.name} = {data!r} must be a section [{section.name}]")
     section.check_keys(KEYS)
     travel = _travel(section)
     for key in ("max_velocity", "max_acceleration", "max_jerk"):

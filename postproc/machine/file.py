@@ -10,6 +10,7 @@ import hashlib
 import math
 import re
 from collections.abc import Collection
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from postproc.errors import MachineError, Place
 from postproc.machine import chain as chains
 from postproc.machine.angle_file import location, squareness, squareness_u
 from postproc.machine.axis import Axis
+from postproc.machine.axis_file import grid_over_turns
 from postproc.machine.axis_section import UNCERTAINTY, read_axis
 from postproc.machine.chain import LINEAR, ROTARY, XYZ
 from postproc.machine.model import Machine
@@ -156,6 +158,10 @@ def _axes(
         x = absent[0]
         raise toml.top.fault("chain", f"the chain names {x}, and there is no [axes.{x}]")
     _check_axes(toml, chain, axes)
+    for x, axis in axes.items():
+        by = Section(toml, f"axes.{x}", sections[x])
+        turned = [grid_over_turns(g, axes, by.own("by", by["by"][g.other])) for g in axis.grids]
+        axes[x] = replace(axis, grids=tuple(turned))
     return limits, location(toml, axes)
 
 
