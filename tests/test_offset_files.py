@@ -98,6 +98,13 @@ def test_only_the_axes_of_a_machine():
     assert found.format == "csv-table"
 
 
+def test_every_work_offset_of_a_table_is_one():
+    """G15 H1 of an Okuma and G247 P2 of a Heidenhain are zeros, and no tools."""
+    found = of("name,X_mm,rotation_deg\nG15 H1,100,\nG247 P2,1,\nG54.1 P3,2,30\n")
+    assert found.work == {"G15 H1": {"X": 100}, "G247 P2": {"X": 1}, "G54.1 P3": {"X": 2}}
+    assert not found.tools and found.rotation == {"G54.1 P3": 30}
+
+
 GRAINS = [
     VAR,
     UFR,

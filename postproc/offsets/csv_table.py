@@ -10,7 +10,16 @@ from __future__ import annotations
 
 import csv
 
-from postproc.offsets import KNOWN_NAMES, LINEAR, ROTARY, WORK_NAME, Offsets, Source, canonical
+from postproc.offsets import (
+    EXTENDED_NAME,
+    KNOWN_NAMES,
+    LINEAR,
+    ROTARY,
+    WORK_NAME,
+    Offsets,
+    Source,
+    canonical,
+)
 
 TITLE = "gcomp's own table"
 COLUMNS = {f"{axis}_mm": axis for axis in LINEAR + "R"} | {f"{axis}_deg": axis for axis in ROTARY}
@@ -63,8 +72,7 @@ def _take(
     source: Source, number: int, name: str, values: dict[str, float], offsets: Offsets
 ) -> None:
     """One row."""
-    # "G54.1 P3", "G247 P1": the names with a number of their own; tools have none
-    work = bool(WORK_NAME.fullmatch(name)) or " P" in name
+    work = bool(WORK_NAME.fullmatch(name) or EXTENDED_NAME.fullmatch(name))
     if work and "R_mm" in values:
         raise source.fault(number, f"{name} is a work offset, which has no radius", ADVICE)
     if not work and TURN in values:

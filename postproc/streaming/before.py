@@ -20,14 +20,29 @@ COMMAND = re.compile(
     re.MULTILINE | re.IGNORECASE,
 )
 PARAMETER = re.compile(rb"[SR][ \t]*([0-9.]+)", re.IGNORECASE)
+# G70 and G71 are cycles on some lathes: whether a code is one of units the dialect knows
+UNITS = {20, 21, 70, 71, 700, 710}
 OUT, IN, ALONG = "out", "in", "along"
+
+
+def _spelt(words: Words, letter: str) -> dict[int, str]:
+    """Block to its word of a letter, as it is written, without blanks."""
+    of = np.flatnonzero(words.letter == ord(letter))
+    places = zip(words.block[of], words.start[of], words.stop[of], strict=True)
+    return {
+        int(block): words.text[first:stop].decode("ascii", "replace").replace(" ", "").upper()
+        for block, first, stop in places
+    }
 
 
 @dataclass
 class Before:
     """What holds before the line: spindle, coolant, tool as words; loaded: the tool that M6 has put
     in; feed: mm/min or mm a turn of the last F, which stays what it was when the units change;
-    inch: whether words are inches; path: G64 with its P, mm;
+    fed: that word as it is written (F200 and F200. are two feeds on some controls), and whether it
+    was in inches;
+    inch: whether words are inches; units: the code that was written last for them;
+    path: G64 with its P, mm;
     heat: temperature by heater; fan: its word; highest: mm, the highest place of a rapid so far
     along the axis that lifts the tool; left: how the present tool last left a cut by a rapid along
     that axis: OUT (to +), IN, ALONG, "": it has not.
@@ -39,7 +54,9 @@ class Before:
     tool: str = ""
     loaded: str = ""
     feed: float = 0.0
+    fed: tuple[str, bool] = ("", False)
     inch: bool = False
+    units: str = ""
     path: str = ""
     heat: dict[str, float] = field(default_factory=dict)
     fan: str = ""
@@ -59,44 +76,38 @@ class Before:
             words.block.tolist(), map(chr, words.letter), values, strict=True
         ):
             blocks.setdefault(block, []).append((name, value))
-        spelt = {
-            block: words.text[first:stop].decode("ascii", "replace").replace(" ", "").upper()
-            for block, name, first, stop in zip(
-                words.block.tolist(),
-                words.letter.tolist(),
-                words.start.tolist(),
-                words.stop.tolist(),
-                strict=True,
-            )
-            if name == ord("T")
-        }
+        tools, feeds = _spelt(words, "T"), _spelt(words, "F")
         for block, named in blocks.items():
-            self.tool = spelt.get(block, self.tool)
-            self._block(named)
-        self._ways(motions, axis, sorted(spelt))
+            self.tool = tools.get(block, self.tool)
+            self._block(named, feeds.get(block, ""))
+        self._ways(motions, axis, sorted(tools))
 
-    def _block(self, named: list[tuple[str, float]]) -> None:
+    def _block(self, named: list[tuple[str, float]], feed: str) -> None:
+        """feed: its F as it is written."""
         word, codes = dict(named), {value for name, value in named if name == "G"}
         commands = [value for name, value in named if name == "M"]
-        self._feed(codes, word)
+        self._feed(codes, word, feed)
         self._spindle(codes, word, max(commands, default=0))
         for value in commands:
             self._command(value)
 
     def _spindle(self, codes: set[float], word: dict[str, float], command: float) -> None:
         """Surface speed and S; command: the largest M of the block."""
+        # M100 and on are a shop's own: what their S means is not known.
         self.surface = (self.surface or 96 in codes) and 97 not in codes
         # S beside G4 counts turns, beside G10 sets data, with G50 and G92 limits the speed.
-        if "S" in word and command <= 5 and codes.isdisjoint((4, 10, 50, 92)):
+        if "S" in word and command < 100 and codes.isdisjoint((4, 10, 50, 92)):
             self.speed = f"S{word['S']:g}"
 
-    def _feed(self, codes: set[float], word: dict[str, float]) -> None:
+    def _feed(self, codes: set[float], word: dict[str, float], feed: str) -> None:
         """Units, feed and path tolerance."""
         if codes & {20, 21}:
             self.inch = 20 in codes
+        for code in codes & UNITS:
+            self.units = f"G{code:g}"
         scale = MM_PER_INCH if self.inch else 1.0
         if "F" in word and 4 not in codes:
-            self.feed = word["F"] * scale
+            self.feed, self.fed = word["F"] * scale, (feed, self.inch)
         if 64 in codes:
             self.path = f"G64 P{word['P'] * scale:g}" if "P" in word else "G64"
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from postproc.errors import UsageError
 from postproc.filter import Filter
+from postproc.nc import pace
 from postproc.nc.state import NONE
 from postproc.streaming.before import ALONG, IN, OUT, Before
 from postproc.units import MM_PER_INCH, TICKS_PER_MM
@@ -25,6 +26,7 @@ PLUNGE = 200.0  # mm/min at most, down to where the cut begins
 SPIN_UP = 4.0  # s
 MOVES = re.compile(rb"[XYZABCUVWIJKR] *[-+.0-9]", re.IGNORECASE)
 COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*")
+UNWRITTEN = ("G998", "G999")  # stand for a parameter of the control (nc/dialects/okuma_lathe.py)
 MILL, LATHE, PRINTER = "mill", "lathe", "printer"
 
 
@@ -161,17 +163,33 @@ class Preamble:
                 f"{say}name a line behind a rapid to a larger X, or {by_hand}",
             )
 
-    def word(self, group: str, default: str = "") -> str:
-        """The code in force of a group, as it is written; "" where the control has no such code."""
-        number = self.modal.codes.get(group, NONE)
-        if number in self.dialect.by_number and group in self.dialect.groups:
-            return self.dialect.by_number[number].word
-        return default if any(code.word == default for code in self.dialect.codes) else ""
+    def spelt(self, group: str, number: int) -> str:
+        """How the control writes a mode, by its group and its number ("units", 210: G21, of a
+        Siemens G71); "" where it has none. By the number alone G90 of a lathe would be a cycle."""
+        code = self.dialect.by_number.get(number)
+        own = [x.word for x in self.dialect.codes if x.group == group and x.number == number]
+        word = code.word if code is not None and code.word in own else "".join(own[:1])
+        return "" if word in UNWRITTEN else word
 
-    def known(self, *words: str) -> list[str]:
-        """Those of the codes that the control has."""
-        written = {code.word for code in self.dialect.codes}
-        return [word for word in words if word in written]
+    def word(self, group: str, default: int = NONE) -> str:
+        """The code in force of a group, as it is written; "" where the control has no such code."""
+        return self.spelt(group, self.modal.codes.get(group, NONE)) or self.spelt(group, default)
+
+    def _own_units(self) -> str:
+        """The program's own units as it wrote them: G70 and G700 of a Siemens are both inches, and
+        only under the latter an F is."""
+        own = [x.word for x in self.dialect.codes if x.group == "units"]
+        return self.before.units if self.before.units in own else self.word("units", 210)
+
+    def _offset(self) -> str:
+        """The work offset in force, with the number that chooses one of many (G54.1 P3)."""
+        word, frame = self.word("work offset"), self.modal.frame
+        code = self.dialect.by_number.get(self.modal.codes.get("work offset", NONE))
+        if frame is not None and self.dialect.offset_letter:  # E1 of a Fadal: no code, a word
+            return frame.extended or f"{self.dialect.offset_letter}0"
+        if frame is None or code is None or code.does != "extended":
+            return word
+        return f"{word} {frame.extended.rpartition(' ')[2]}"
 
     def joined(self, words: list[str]) -> list[str]:
         """Codes in one block, or one in each where a line is one command."""
@@ -205,14 +223,15 @@ class Preamble:
 
     def _units(self) -> list[str]:
         """The modal state of the preamble itself: mm, absolute, the plane, feed per minute."""
-        plane = "G18" if self.kind == LATHE else "G17"
-        planes = [] if self.kind == PRINTER else self.known(plane)
-        return self.joined(self.known("G21", "G90") + planes + self.known("G94"))
+        modes = [("units", 210), ("distance", 900), ("feed mode", 940)]
+        if self.kind != PRINTER:
+            modes.insert(2, ("plane", 180 if self.kind == LATHE else 170))
+        return self.joined([word for mode in modes if (word := self.spelt(*mode))])
 
     def _zeros(self) -> list[str]:
         """Diameter or radius, and the work offset."""
         diameter = self.modal.codes.get("diameter") in (70, 80)
-        offset = self.word("work offset")
+        offset = self._offset()
         needless = self.kind == PRINTER and offset == "G54"
         return [self.word("diameter") if diameter else "", "" if needless else offset]
 
@@ -234,26 +253,32 @@ class Preamble:
             return f"G1 F{feed:g}", ""
         if self.modal.codes.get("feed mode") == 930:
             return "", ""
-        return "", f"F{feed / (MM_PER_INCH if self.before.inch else 1.0):.7g}"
+        written, inch = self.before.fed
+        if inch == self.before.inch:
+            return "", written
+        return "", self._per(feed / (MM_PER_INCH if self.before.inch else 1.0))
+
+    def _per(self, feed: float) -> str:
+        """An F; with a point where a number without one counts increments."""
+        counts = (self.setup.integers or self.dialect.integers) == "least increments"
+        text = f"F{feed:.7g}"
+        return text + "." * (counts and "." not in text)
 
     def _down(self) -> str:
         """Down to where the cut begins; by a rapid where the program has come here by rapids."""
         to = f"{self.lift}{digits(self.place[self.lift])}"
         per_minute = self.modal.codes.get("feed mode", 940) == 940
-        return (
-            f"G1 {to} F{min(PLUNGE, self.before.feed) if per_minute else PLUNGE:g}"
-            if self.before.feed
-            else f"G0 {to}"
-        )
+        feed = min(PLUNGE, self.before.feed) if per_minute else PLUNGE
+        return f"G1 {to} {self._per(feed)}" if self.before.feed else f"G0 {to}"
 
     def _modes(self) -> list[str]:
         """The program's own modal state."""
         codes = self.modal.codes
         modes = [
-            "" if self.kind == PRINTER and codes.get("plane") == 170 else self.word("plane", "G17"),
-            self.word("units", "G21"),
-            self.word("distance", "G90"),
-            self.word("feed mode", "G94"),
+            "" if self.kind == PRINTER and codes.get("plane") == 170 else self.word("plane", 170),
+            self._own_units(),
+            self.word("distance", 900),
+            self.word("feed mode", 940),
             "" if self.before.path else self.word("path"),
             "" if codes.get("arc centre", 911) == 911 else self.word("arc centre"),
         ]
@@ -262,8 +287,10 @@ class Preamble:
     def _out(self) -> str:
         """Out of the part: in machine coordinates where the control has G53, else in the
         program's."""
-        if 530 in self.dialect.by_number and self.kind != PRINTER:
-            return f"G53 G0 {self.lift}{self.top * self.half[self.lift]:.4f}"
+        # #MCS of a Fagor; G53 of an Okuma takes the tool's length off, and is of another group
+        machine = self.spelt("", 530)
+        if machine and self.kind != PRINTER:
+            return f"{machine} G0 {self.lift}{self.top * self.half[self.lift]:.4f}"
         return f"G0 {self.lift}{(self.top - self.origin[self.row] / TICKS_PER_MM) * self.half[self.lift]:.4f}"  # noqa: E501
 
     def _tool(self) -> list[str]:
@@ -301,19 +328,15 @@ class Preamble:
         return [f"{before.spindle} {before.speed}".strip(), self.wait(), *before.coolant]
 
     def wait(self) -> str:
-        """G4 for the spindle, behind G94. P is milliseconds on Marlin and seconds on GRBL and
-        LinuxCNC (their own documents). A Haas takes P without a point for milliseconds, with one
-        for seconds (its mill manual, G04, read in a Polish copy). Sinumerik in ISO mode: X seconds
-        with a point, P whole milliseconds, both turns of the spindle under G95 (ISO Milling 04.07,
-        3.3.1); Fanuc likewise and Sinumerik's F as seconds: unverified."""
-        by = self.dialect.dwell
-        letter = next(x for x in "XFSP" if x in by)
-        if letter == "X" and self.kind == MILL and "P" in by:
-            # X in a G4 would be an axis to whoever reads over it
-            return f"G4 P{SPIN_UP * 1000:.0f}"
-        return f"G4 {letter}{SPIN_UP:g}" + (
-            "." if letter in "XP" and self.dialect.name.startswith(("haas", "fanuc")) else ""
-        )
+        """G4 for the spindle, behind G94, in the letters and units of nc/pace.py. Sinumerik in ISO
+        mode: X seconds with a point, P whole milliseconds, both turns of the spindle under G95 (ISO
+        Milling 04.07, 3.3.1); Fanuc likewise: unverified."""
+        units = pace.letters_of_dwell(self.dialect) or dict.fromkeys(self.dialect.dwell, 1.0)
+        letter = next(x for x in "XFSPK" if x in units)
+        # X in a G4 would be an axis to whoever reads over it
+        letter = "P" if letter == "X" and self.kind == MILL and "P" in units else letter
+        counts = letter == "X" or pace.without_a_point(self.dialect, letter) != 1.0
+        return f"G4 {letter}{SPIN_UP / units[letter]:g}{'.' * counts}"
 
     def _heat(self) -> list[str]:
         """A printer's heaters, each waited for, before anything moves: a cold nozzle sticks to the

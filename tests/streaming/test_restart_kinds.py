@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
 from postproc.errors import GcompError, UsageError
 from postproc.filter import Filter, setup_of
 from postproc.machine import places
-from postproc.nc import dialects
+from postproc.nc import dialects, pace
+from postproc.nc.lexer import lex
 from postproc.streaming import restart, resumable
 
 LATHE = b"""G21 G90 G18 G40 G94
@@ -211,6 +214,75 @@ def test_A11_the_spindle_gets_four_seconds_in_every_controls_unit(dialect, wait)
     program = b"G21 G90 G17 G94\nG54\nG0 X0 Y0 Z20\nM3 S8000\nG1 Z2 F200\nG1 X40\n"
     program = program.replace(b"G21", b"G71") if dialect == "siemens" else program
     assert wait in blocks(program, 6, "example-mill", dialect)
+
+
+MILLED = b"""G21 G90 G17 G94
+G54
+G0 X0. Y0. Z20.
+S8000 M3 M8
+G0 X10. Y10.
+G1 Z2. F200.
+G1 X40. F600.
+G1 Y50.
+M30
+"""
+
+
+def milled(dialect: str, offset: str = "G54", *changes: tuple[bytes, bytes]) -> list[str]:
+    program = MILLED.replace(b"G54", offset.encode())
+    for old, new in changes:
+        program = program.replace(old, new)
+    at = {offset: {"X": 0.0, "Y": 0.0, "Z": -200.0}}
+    return blocks(program, 8, "example-mill", dialect, offsets=at)
+
+
+def test_A11_a_speed_beside_coolant_comes_back():
+    """S8000 M3 M8 in one block: M8 says nothing of the S."""
+    assert "M3 S8000" in milled("grbl") and "M8" in milled("grbl")
+
+
+@pytest.mark.parametrize("dialect", [x for x in dialects.names() if x != "mach3"])
+def test_A11_the_wait_is_four_seconds_by_the_dialects_own_units(dialect):
+    """nc/pace.py says what a dwell's letters count; on a Mach3 a setting does."""
+    language = dialects.load(dialect)
+    for kind in (restart.MILL, restart.LATHE):
+        text = restart.Preamble.wait(SimpleNamespace(dialect=language, kind=kind))
+        words = lex(text.encode() + b"\n", language.grammar)
+        assert [pace.seconds(words, b, language) for b in pace.dwells(words)] == [4.0]
+
+
+def test_A11_G90_and_G94_of_a_lathe_in_system_A_are_cycles_and_do_not_come():
+    program = LATHE.replace(b"G21 G90 G18 G40 G94", b"G21 G40 G98")
+    lines = on_lathe(14, program, "fanuc-lathe-a")
+    assert lines[0] == "G21 G18 G98" and lines[-3:] == ["G18 G21 G98", "F100", "G1"]
+
+
+@pytest.mark.parametrize(
+    ("dialect", "offset", "has"),
+    [
+        ("fanuc-mill", "G54.1 P3", ("G54.1 P3", "G53 G0 Z-180.0000")),
+        ("fadal", "E1", ("E1", "G53 G0 Z-180.0000")),
+        # G53 of an Okuma takes the tool's length off, and Z-180 would be one of the work
+        ("okuma", "G15 H3", ("G15 H3", "G0 Z20.0000")),
+    ],
+)
+def test_A11_the_work_offset_and_the_way_out_are_the_controls_own(dialect, offset, has):
+    lines = milled(dialect, offset)
+    assert list(has) == lines[1:3] and lines[0] == "G21 G90 G17 G94"
+
+
+def test_A11_inches_of_a_Siemens_come_back_as_they_were_written():
+    """Under G700 an F600 would be 600 inch/min: 25.4 times as fast as under G70."""
+    small = ((b"G21", b"G70"), (b"20.", b".7"), (b"10.", b".4"), (b"Z2.", b"Z.1"))
+    lines = milled("siemens", "G54", *small, (b"40.", b"1.5"), (b"50.", b"2."))
+    assert lines[0] == "G710 G90 G17 G94" and lines[-3:] == ["G17 G70 G90 G94", "F600.", "G1"]
+
+
+def test_A11_an_F_comes_back_with_its_point():
+    """An integer F of a Haas counts steps of its last digit (setting 77), F600. does not."""
+    lines = milled("haas")
+    assert "G1 Z2.0000 F200." in lines and "F600." in lines
+    assert "F600" in milled("grbl", "G54", (b"F600.", b"F600"))
 
 
 def test_homing_leaves_the_filament_where_it_is():
