@@ -4,7 +4,8 @@ force already.
 A word is left out only where RS274/NGC keeps it (NIST RS274/NGC 3, 3.4: modal groups; F and S hold)
 and this line's own codes leave it in force. An axis word is left out where the axis stands at that
 very number already, in absolute distance, and another axis word remains. Anything this module does
-not know goes as it is, and all memory with it.
+not know goes as it is, and all memory with it. Only for controllers of that language: Marlin wants
+its G1 in every line and M109 its S, and X10. of a Fanuc without its point is 10 increments.
 """
 
 from __future__ import annotations
@@ -18,6 +19,9 @@ AXES = b"XYZABCUVW"
 STRAIGHT = (b"0", b"1")
 MOTIONS = (b"0", b"1", b"2", b"3")
 HARMLESS = {b"17", b"18", b"19", b"40", b"61", b"61.1", b"64", b"80", b"90", b"91", b"91.1", b"94"}
+# M words behind which the axes stand where they stood, and modes hold: spindle and coolant. A
+# change of tools (M6), a pause, a call or a macro may move them.
+QUIET = {b"3", b"4", b"5", b"7", b"8", b"9"}
 Word = tuple[bytes, bytes]  # letter, value
 
 #   N10 G1 X+010.500 Y2.0 F600.   G1X10.5Y2F600
@@ -73,11 +77,6 @@ class Compact:
             still.discard(moves[0][0] if moves else b"")
         return still
 
-    def _command(self, value: bytes) -> None:
-        if value in (b"2", b"30"):
-            self._forget()
-        self.speed = b""
-
     def _remember(self, words: list[Word], motion: bytes, plain: bool) -> None:
         if not plain:
             self._forget()
@@ -89,9 +88,12 @@ class Compact:
             elif letter == b"S":
                 self.speed = value
             elif letter == b"M":
-                self._command(value)
+                self.speed = b""
             elif letter in AXES and motion:
                 self.at[letter] = value
+        if any(letter == b"M" and value not in QUIET for letter, value in words):
+            self._forget()
+            self.absolute = False
         if not self.absolute:
             self.at.clear()
 

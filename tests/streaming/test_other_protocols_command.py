@@ -56,6 +56,24 @@ def stream(folder: Path, host: PtyHost, dialect: str, *options: str):
     [
         ("auto", "marlin", MarlinModel),
         ("auto", "grbl", SmoothieModel),
+        ("dnc", "fanuc-mill", DncModel),
+    ],
+)
+def test_A19_compact_is_refused_where_a_point_or_a_word_may_be_missed(
+    tmp_path, protocol, dialect, model
+):
+    """X10. without its point is 10 um on a Fanuc that counts increments; G1 left out is no command
+    on Marlin, and M109 without its S waits for nothing."""
+    with PtyHost(model()) as host:
+        status, _, said = stream(tmp_path, host, dialect, "--protocol", protocol, "--compact")
+    assert status == 2 and "--compact" in said and not (tmp_path / "job.journal").exists()
+
+
+@pytest.mark.parametrize(
+    ("protocol", "dialect", "model"),
+    [
+        ("auto", "marlin", MarlinModel),
+        ("auto", "grbl", SmoothieModel),
         ("auto", "grbl", TinyGModel),
         ("g2core", "grbl", lambda: TinyGModel(g2=True)),
     ],

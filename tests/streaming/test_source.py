@@ -255,6 +255,19 @@ def test_A19_compact_leaves_out_what_is_in_force():
     ]
 
 
+@pytest.mark.parametrize("word", ["T2 M6", "M0", "M1", "M98 P5", "M101"])
+def test_A19_compact_says_every_axis_again_where_something_else_may_have_moved_it(word):
+    """A change of tools on LinuxCNC ends at its own place: X left out would stay there."""
+    compact = Compact(absolute=True)
+    for row in ("G0 X10. Y20.", word):
+        compact.line(row.encode())
+    assert compact.line(b"G0 X10. Y30.") == b"G0X10Y30"
+    quiet = Compact(absolute=True)
+    for row in ("G0 X10. Y20.", "M3 S100", "M8", "M9", "M5"):
+        quiet.line(row.encode())
+    assert quiet.line(b"G0 X10. Y30.") == b"Y30"
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_A19_compact_halves_the_bytes_and_moves_no_coordinate(seed):
     """Judge: the model, told both, ends every line at the same place."""

@@ -189,6 +189,12 @@ def prepare(
         lives.stand(filter_, now)
         return filter_
 
+    if options.compact and not getattr(protocol, "modal", False):
+        raise UsageError(
+            f"--compact leaves out points and words that hold in RS274/NGC, and"
+            f" {protocol.controller.name} may read the rest otherwise (X10. without its point)",
+            "leave --compact out",
+        )
     macros = tools.read(options, protocol)
     job = Job(
         options, fresh, protocol, live, [*base.notices, *notices], name, copy=copy, macros=macros

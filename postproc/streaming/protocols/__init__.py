@@ -102,10 +102,12 @@ class Protocol(Interface):
     line that it answers at rest, such as a dwell), or "nothing" (what was written is all that is
     known). questions: lines to ask one by one before a job.
 
-    A class may have besides: used, how much of the receive buffer is taken; waits, why nothing may
-    leave now, in words ("": it may); exact, True: it rounds no corner and says where it is while it
-    moves; hails, the questions without which it answers nothing; handed, True: the program is put
-    into a file that the controller opens; link, the frame of a serial line (dnc.Link).
+    A class may have besides: modal, True: it reads RS274/NGC, whose words hold from line to line,
+    and numbers whose decimal point says nothing; used, how much of the receive buffer is taken;
+    waits, why nothing may leave now, in words ("": it may); exact, True: it rounds no corner and
+    says where it is while it moves; hails, the questions without which it answers nothing; handed,
+    True: the program is put into a file that the controller opens; link, the frame of a serial line
+    (dnc.Link).
     """
 
     controller: Controller

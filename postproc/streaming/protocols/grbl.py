@@ -104,6 +104,7 @@ class Grbl(Protocol):
 
     title = TITLE
     confirms = "idle"
+    modal = True
     exact = True  # it rounds no corner, and says where it is while it moves
     does: Mapping[str, str] = DOES
     urgents: Mapping[str, bytes] = URGENT

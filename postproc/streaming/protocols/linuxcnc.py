@@ -82,6 +82,7 @@ class Linuxcnc(Protocol):
 
     title = TITLE
     confirms = "idle"
+    modal = True
     handed = True  # the program is put into a file
     does: Mapping[str, str] = DOES
     questions: tuple[bytes, ...] = (

@@ -115,6 +115,7 @@ class TinyG(Protocol):
 
     title = TITLE
     confirms = "answers"
+    modal = True
     questions: tuple[bytes, ...] = (
         b'{"ej":1}', b'{"jv":null}', b'{"jv":5}', b'{"sys":null}',
         *(b'{"%s":null}' % n.encode() for n in WORK), PLACE, STAND,
