@@ -22,7 +22,8 @@ class SmoothieModel(Receiver):
         super().__init__(baud, rx)
         self.per_line, self.glued = per_line, glued
         self.moves = Moves(32)
-        self.zero = [0.0, 0.0, 0.0]
+        self.zero = [0.0, 0.0, 0.0]  # mm
+        self.inches, self.says_modes = False, True
         self._reset()
         self.say("Smoothie\r\nok\r\n")
 
@@ -55,9 +56,10 @@ class SmoothieModel(Receiver):
                 if self.moves.ends
                 else "Idle"
             )
-            p = self.place
+            per = 25.4 if self.inches else 1.0
+            p = [v / per for v in self.place]
             machine = ",".join(f"{v:.4f}" for v in p)
-            work = ",".join(f"{v - z:.4f}" for v, z in zip(p, self.zero, strict=True))
+            work = ",".join(f"{v - z / per:.4f}" for v, z in zip(p, self.zero, strict=True))
             self.say(
                 f"<{state}|MPos:{machine}|WPos:{work}|F:4000.0,100.0>"
                 + ("" if self.glued and self.rx else "\r\n")
@@ -101,6 +103,9 @@ class SmoothieModel(Receiver):
                     "Build version: edge-abc123, Build date: Jan 1 2020, MCU: LPC1769, System"
                     " Clock: 120MHz\r\n"
                 )
+            elif text == "$G" and self.says_modes:
+                unit = "G20" if self.inches else "G21"
+                self.say(f"[GC:G0 G54 G17 {unit} G90 G94 M0 M5 M9 T0 F4000.0 S0.8]\r\nok\r\n")
             else:
                 self.say(f"error:Unsupported command - {text}\r\n")
         elif text[0] in "GMTSN":
@@ -150,7 +155,10 @@ class SmoothieModel(Receiver):
             self.say("ok\r\n")
             sent = True
         if code in ("G0", "G1", "G2", "G3"):
-            self.moves.take(values, self.now)
+            per = 25.4 if self.inches else 1.0
+            self.moves.take({k: v * per for k, v in values.items()}, self.now)
+        elif code in ("G20", "G21"):
+            self.inches = code == "G20"
         elif code in ("G90", "G91"):
             self.moves.absolute = code == "G90"
         elif code in ("M400", "G4"):

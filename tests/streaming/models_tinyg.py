@@ -76,6 +76,8 @@ class TinyGModel(Receiver):
         self.blocks = blocks
         self.moves = Moves(blocks)
         self.work = {"g54": [0.0, 0.0, 0.0]}
+        self.modes = {"unit": 1, "dist": 0, "plan": 0, "coor": 1}
+        self.dwells: list[tuple[float, float]] = []
         self.most_lines = 0
         self._reset()
         self._ready()
@@ -147,6 +149,9 @@ class TinyGModel(Receiver):
         return min(times)
 
     def _act(self) -> None:
+        if self._report_at <= self.now and any(a < self.now < b for a, b in self.dwells):
+            self._report_at = self.now + REPORT  # nothing changes: a filtered report is empty
+            return
         if self._report_at <= self.now:
             state, self._said, self._report_at = self.state(), self.state(), NEVER
             self.say(
@@ -213,10 +218,15 @@ class TinyGModel(Receiver):
             status = 40
         if status == 0:
             self.executed.append(text)
-            values = {k: float(v) for k, v in words if k in "XYZF"}
+            values = {k: float(v) for k, v in words if k in "XYZFP"}
             if "G90" in codes or "G91" in codes:
                 self.moves.absolute = "G90" in codes
-            if "G4" not in codes:
+            if "G4" in codes:
+                begin = self.moves.rest_at(self.now)
+                self.moves.last = begin + values.get("P", 0.0)
+                self.moves.ends.append(self.moves.last)
+                self.dwells.append((begin, self.moves.last))
+            else:
                 self.moves.take(values, self.now)
         body = {"gc": raw} if self.verbosity == 5 else {}
         self._answer(body, status, len(raw) + 1)
@@ -231,7 +241,11 @@ class TinyGModel(Receiver):
         if name == "mpo":
             return {"mpo": dict(zip("xyz", p, strict=True))}, 0
         if name in ("g54", "g55", "g56", "g57", "g58", "g59", "g92"):
-            return {name: dict(zip("xyz", self.work.get(name, [0.0] * 3), strict=True))}, 0
+            per = 1.0 if self.modes["unit"] else 25.4
+            place = [round(v / per, 3) for v in self.work.get(name, [0.0] * 3)]
+            return {name: dict(zip("xyz", place, strict=True))}, 0
+        if name in self.modes:
+            return {name: self.modes[name]}, 0
         if name == "sys":
             return {
                 "sys": {

@@ -8,6 +8,8 @@ import pytest
 from postproc.streaming import protocols
 from postproc.streaming.events import Accepted, Alarm, Status, Write
 from postproc.streaming.greeting import Greeting, unfit
+from postproc.streaming.live import read
+from postproc.streaming.protocols.marlin import Marlin
 from postproc.streaming.protocols.smoothieware import Smoothieware
 from postproc.streaming.sender import Sender
 from tests.streaming.bench import Faults, lines_of, zigzag
@@ -145,6 +147,37 @@ def test_the_greeting_learns_how_it_answers(per_line, name):
     assert protocol._each is not per_line and protocol.controller.version == "edge-abc123"
     assert protocol.controller.offsets == ["[G54:1.000,0.000,0.000]"]
     assert unfit(protocol, greeting.status) is None
+
+
+@pytest.mark.parametrize("inches", [False, True])
+def test_places_come_in_the_unit_in_force(inches):
+    """Kernel.cpp: robot->from_millimeters(mpos): in G20 50.8 mm are reported as 2.0."""
+    model = SmoothieModel()
+    model.inches, model.moves.place, model.zero = inches, [50.8, 0.0, 25.4], [25.4, 0.0, 0.0]
+    greeting = greet(Greeting("smoothieware"), model)
+    assert greeting.fault is None and greeting.protocol is not None
+    live = read(greeting.protocol.controller, greeting.status, ("X", "Y", "Z"))
+    assert live.place == pytest.approx({"X": 50.8, "Y": 0.0, "Z": 25.4})
+    assert live.work["G54"] == pytest.approx({"X": 25.4, "Y": 0.0, "Z": 0.0})
+    assert live.modal[:4] == ("G0", "G54", "G17", "G20" if inches else "G21")
+
+
+def test_an_older_build_does_not_say_its_modes():
+    model = SmoothieModel()
+    model.says_modes = False
+    greeting = greet(Greeting("smoothieware"), model)
+    assert greeting.fault is None and greeting.protocol.controller.modal == []
+
+
+def test_A16_done_is_said_of_a_program_in_inches():
+    """It ends at X2 inches, which is where its last line ends: 50.8 mm."""
+    sender, _ = job("G20\nG90\nG1 X2 F100", SmoothieModel(), ends=[(0, 0, 0)] * 2 + [(50.8, 0, 0)])
+    assert sender.outcome.kind == "done", sender.outcome
+
+
+def test_A12_a_dwell_may_last():
+    assert Smoothieware().patience(b"G4 S200") == 230.0
+    assert Marlin().patience(b"G04 S60") == 90.0 and Marlin().patience(b"G4 P2000") == 32.0
 
 
 def test_oks_of_lines_with_several_codes():

@@ -20,6 +20,7 @@ from postproc.streaming.events import (
 )
 from postproc.streaming.greeting import Greeting, unfit
 from postproc.streaming.lines import Unsendable
+from postproc.streaming.live import read
 from postproc.streaming.protocols.g2core import G2core
 from postproc.streaming.protocols.tinyg import TinyG, checksum
 from postproc.streaming.sender import Sender
@@ -238,6 +239,29 @@ def test_A12_silence_is_a_stall_and_a_long_move_is_none():
         "G21G90F60\nG1X2\n" + "\n".join(f"G1X{i % 5}" for i in range(40)), TinyGModel()
     )
     assert sender.outcome.kind == "done" and seconds > 60
+
+
+@pytest.mark.parametrize("protocol", [TinyG, G2core])
+def test_A12_a_dwell_is_no_stall(protocol):
+    """It reports nothing while it dwells: 10 s of that ended the job."""
+    text = "G21G90F600\nG1X2\nG4P25\n" + "\n".join(f"G1X{i % 5}" for i in range(60))
+    sender, seconds = job(text, TinyGModel(g2=protocol is G2core), protocol=protocol)
+    assert sender.outcome.kind == "done" and seconds > 25
+    sender, seconds = job("G21G90F600\nG1X2\nG4P90", TinyGModel(g2=protocol is G2core))
+    assert sender.outcome.kind == "done" and seconds > 90
+
+
+def test_zeros_come_in_the_unit_in_force_and_the_place_in_mm():
+    """In G20 g54 is in inches (config_app.c): 100 mm were read as 3.937 mm."""
+    model = TinyGModel()
+    model.moves.place, model.work["g54"] = [1.0, 2.0, 3.0], [100.0, 0.0, -50.0]
+    model.modes |= {"unit": 0, "dist": 1}
+    greeting = greet(Greeting("tinyg"), model)
+    assert greeting.fault is None and greeting.protocol is not None
+    live = read(greeting.protocol.controller, greeting.status, ("X", "Y", "Z"))
+    assert live.work["G54"] == pytest.approx({"X": 100.0, "Y": 0.0, "Z": -50.0}, abs=0.013)
+    assert live.place == {"X": 1.0, "Y": 2.0, "Z": 3.0}
+    assert live.modal == ("G20", "G91", "G17", "G54")
 
 
 @pytest.mark.parametrize("reports", [True, False])

@@ -30,7 +30,7 @@ COUNT = re.compile(r"Count:? +X: *(-?\d+) +Y: *(-?\d+) +Z: *(-?\d+)")
 SLOW = re.compile(
     rb"(?:G(?:28|29|30|33|34|76|425)|M(?:0|1|109|190|191|192|226|303|400|600))(?![0-9])"
 )
-DWELL = re.compile(rb"G4(?![0-9.]).*?([PS]) *([0-9]+\.?[0-9]*)")
+DWELL = re.compile(rb"G0*4(?![0-9.]).*?([PS]) *([0-9]+\.?[0-9]*)")
 QUIET = 30.0  # s that a line may take where it does not say that it is busy
 KEEPALIVE = 8.0  # and where it does: every 2 s (Configuration_adv.h)
 LONG = 600.0  # and what takes its time; until then it is sent again every QUIET, which does no harm

@@ -6,8 +6,9 @@ line and has no ok behind it; a line with several G and M codes gets one ok (grb
 or one for each code up to a G1, which is asked for before the job; an empty line gets an ok, so
 none is sent; an error halts it ("!!", "error:Alarm lock"). src/libs/Kernel.cpp:
 `<Idle|MPos:..|WPos:..>`, earlier with commas. An ok may stand behind a report without a line end
-between (its issue 1453). `!` and `~` work where feed hold is built in (unverified on hardware); ^X
-halts until M999.
+between (its issue 1453). Places are reported in the unit in force (from_millimeters there), which
+`$G` says (src/modules/utils/simpleshell). `!` and `~` work where feed hold is built in (unverified
+on hardware); ^X halts until M999.
 """
 
 from __future__ import annotations
@@ -15,9 +16,9 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from postproc.streaming.events import Alarm, Event, Message, Status
+from postproc.streaming.events import Alarm, Event, Message, Rejected, Status
 from postproc.streaming.protocols import Controller
-from postproc.streaming.protocols._numbered import Numbered
+from postproc.streaming.protocols._numbered import Frame, Numbered
 
 TITLE = "Smoothieware"
 POKE = b"version\n"
@@ -39,6 +40,10 @@ DOES = {
         " first"
     ),
 }
+ASKS_MODES = b"$G"
+MODES = re.compile(r"\[(?:GC:)?(G[^\]]*)\]")
+UNITS = re.compile(rb"G2([01])(?![0-9.])")
+DWELL = re.compile(rb"G0*4(?![0-9.]).*?([PS]) *([0-9]+\.?[0-9]*)")
 PROBE = b"G4 P0 G4 P0"  # two codes that do nothing: how many oks come?
 
 
@@ -56,7 +61,7 @@ class Smoothieware(Numbered):
     confirms = "idle"
     does: Mapping[str, str] = DOES
     urgents: Mapping[str, bytes] = URGENT
-    questions = (PROBE, b"M115", b"M114")
+    questions = (PROBE, b"M115", b"M114", ASKS_MODES)
     closing = (b"M400",)
     forbidden = re.compile(rb"M(?:110|112|28|29|1000)(?![0-9])", re.IGNORECASE)
     own_ok = False
@@ -79,6 +84,11 @@ class Smoothieware(Numbered):
             if text.startswith(b"M117")
             else text
         )
+
+    def patience(self, text: bytes) -> float:
+        # while it dwells it reports Idle; P is ms, in grbl_mode seconds
+        dwell = DWELL.search(text)
+        return super().patience(text) + (float(dwell[2]) if dwell and dwell[1] == b"S" else 0.0)
 
     def overdue(self) -> bytes:
         data = super().overdue()
@@ -127,7 +137,14 @@ class Smoothieware(Numbered):
             text = "ok"
         return events + super()._meaning(text)
 
+    def _taken(self, frame: Frame) -> list[Event]:
+        if units := UNITS.findall(frame.text):
+            self.controller.inches = units[-1] == b"0"
+        return super()._taken(frame)
+
     def _other(self, text: str) -> list[Event]:
+        if text.startswith("error:") and self._waiting and self._waiting[0].text == ASKS_MODES:
+            return [Rejected(self._waiting.popleft().number, text)]  # an older build
         self._named = self._named or "FIRMWARE_NAME" in text
         if HALT.match(text):
             return [Alarm(text, "it has halted: M999 clears it, home it first")]
@@ -140,17 +157,22 @@ class Smoothieware(Numbered):
         if not place:
             return Message(text)
         work = WORK.search(found[2])
-        machine = tuple(float(place[i]) for i in (1, 2, 3))
+        machine = [float(place[i]) for i in (1, 2, 3)]
         if work:
             zero = [m - float(work[i + 1]) for i, m in enumerate(machine)]
-            self.controller.offsets = [f"[G54:{','.join(f'{v:.3f}' for v in zero)}]"]
-        return Status(found[1].lower(), place=machine)
+            digits = 4 if self.controller.inches else 3
+            self.controller.offsets = [f"[G54:{','.join(f'{v:.{digits}f}' for v in zero)}]"]
+        per = self.controller.unit
+        return Status(found[1].lower(), place=tuple(v * per for v in machine))
 
     def placed(self, text: str, logical: tuple[float, ...], rest: str) -> list[Event]:
         return [Message(text)]  # the place is taken from `?`
 
     def learn(self, question: bytes, answers: list[str]) -> None:
         for text in answers:
+            if question == ASKS_MODES and (modes := MODES.match(text)):
+                self.controller.modal = modes[1].split()
+                self.controller.inches = "G20" in self.controller.modal
             if found := re.search(r"FIRMWARE_VERSION:\s*([^,]+)", text):
                 self.controller.version = found[1].strip()
 

@@ -82,6 +82,14 @@ MEANINGS = {
 FILL = 200  # bytes: below the 80 % of 254 at which it says XOFF
 AXES = "xyzabc"
 WORK = ("g54", "g55", "g56", "g57", "g58", "g59", "g92")
+# What is in force, by number (canonical_machine.h). Offsets come in the unit in force, the place in
+# mm whatever it is (config_app.c: g54x has the flag c, and mpox has not).
+MODES = {
+    "unit": ("G20", "G21"),
+    "dist": ("G90", "G91"),
+    "plan": ("G17", "G18", "G19"),
+    "coor": ("", "G54", "G55", "G56", "G57", "G58", "G59"),
+}
 STAND = b'{"sr":null}'  # asked at the end, answered for us when the machine stands
 PLACE = b'{"mpo":null}'
 DOES = {
@@ -91,6 +99,7 @@ DOES = {
         " its position"
     ),
 }
+DWELL = re.compile(rb"G0*4(?![0-9.]).*?P([0-9]+\.?[0-9]*|\.[0-9]+)")
 SLOW = re.compile(rb"G28\.[234]|G30\.[234]|G38")
 
 
@@ -118,7 +127,8 @@ class TinyG(Protocol):
     modal = True
     questions: tuple[bytes, ...] = (
         b'{"ej":1}', b'{"jv":null}', b'{"jv":5}', b'{"sys":null}',
-        *(b'{"%s":null}' % n.encode() for n in WORK), PLACE, STAND,
+        *(b'{"%s":null}' % n.encode() for n in MODES),
+        *(b'{"%s":null}' % n.encode() for n in WORK), STAND, PLACE,
     )  # fmt: skip
     opening: tuple[bytes, ...] = ()
     lines = 1 << 20  # that may wait for an answer
@@ -134,6 +144,9 @@ class TinyG(Protocol):
         self._rest = b""
         self._held = False  # it has said XOFF
         self._state: dict[str, Any] = {}
+        # s of dwells among the lines that its planner and its buffer may hold: it reports nothing
+        # while it dwells, and answers no line behind the planner's last
+        self._dwells: deque[float] = deque(maxlen=self.controller.planner + self.fill // 2)
         self.forget()
 
     @property
@@ -183,6 +196,8 @@ class TinyG(Protocol):
 
     def send(self, number: int, text: bytes) -> bytes:
         self._waiting.append((number, text))
+        dwell = DWELL.search(text)
+        self._dwells.append(float(dwell[1]) if dwell else 0.0)
         return text + b"\n"
 
     def release(self) -> int:
@@ -197,7 +212,7 @@ class TinyG(Protocol):
         return sum(len(text) + 1 for _, text in self._waiting)
 
     def patience(self, text: bytes) -> float:
-        return 300.0 if SLOW.search(text) else 10.0
+        return (300.0 if SLOW.search(text) else 10.0) + sum(self._dwells)
 
     def overdue(self) -> bytes:
         """A question may be asked again; a block never."""
@@ -289,7 +304,7 @@ class TinyG(Protocol):
     def _differs_from_block(self, sent: bytes, body: dict[str, Any], footer: list[int]) -> str:
         block, counted = body.get("gc"), len(sent) + 1
         if block is None:
-            if not body.keys().isdisjoint(("sr", "mpo", "jv", *WORK)):
+            if not body.keys().isdisjoint(("sr", "mpo", "jv", *MODES, *WORK)):
                 return "repeated"
             whole = footer[0] == 3 or footer[2] == counted
             return "" if whole or not self.counts else f"{footer[2]} bytes"
@@ -330,11 +345,22 @@ class TinyG(Protocol):
             if isinstance(system, dict):
                 self.controller.version = f"{system.get('fv', '')} build {system.get('fb', '')}"
                 self.controller.settings |= {k: str(v) for k, v in system.items()}
+            self._learn_modes(body)
             self._learn_offsets(body)
+
+    def _learn_modes(self, body: dict[str, Any]) -> None:
+        c = self.controller
+        for name, words in MODES.items():
+            value = body.get(name)
+            if isinstance(value, int | float) and 0 <= int(value) < len(words):
+                c.modal.append(words[int(value)])
+                c.inches = c.inches or words[int(value)] == "G20"
 
     def _learn_offsets(self, body: dict[str, Any]) -> None:
         for name in WORK:
-            if place := ",".join(f"{v:.3f}" for v in numbers(body.get(name))):
+            if place := ",".join(
+                f"{v:.{4 if self.controller.inches else 3}f}" for v in numbers(body.get(name))
+            ):
                 self.controller.offsets.append(f"[{name.upper()}:{place}]")
 
 
