@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -22,6 +23,13 @@ from postproc.errors import GcompError, Place
 
 # degrees Celsius of a machine; beyond, a column is no temperature in Celsius
 PLAUSIBLE = (-40.0, 150.0)
+# What a heading says of another unit: "Time (min)", t_min, elapsed_h, time_ms; "T1 (°F)", T_degF.
+OTHER_TIME = re.compile(
+    r"(?:^|[\s_(\[])(min(?:ute)?s?|h(?:ou)?rs?|h|days?|ms)[)\].]*$", re.IGNORECASE
+)
+OTHER_DEGREES = re.compile(
+    r"°\s*[FK]\b|deg_?F|fahrenheit|kelvin|[(\[]\s*[FK]\s*[)\]]", re.IGNORECASE
+)
 TIMES = ("t_s", "time_s", "time", "timestamp", "date", "datetime")
 # The DS18B20 reads 85 C after its power was lost (its data sheet: power-on value), and the library
 # that most loggers read it with gives -127 C where it does not answer (DallasTemperature.h,
@@ -113,6 +121,12 @@ def read(name: str, data: bytes) -> Log:
     at = next((head.index(c) for c in head if c.lower() in TIMES), 0)
     moments = (row[at] if at < len(row) else "" for row in cells)
     time, dated = _times(name, list(zip(numbers[1:], moments, strict=True)))
+    if dated is None and (unit := OTHER_TIME.search(head[at])):
+        raise LogError(
+            f"the times are {unit[1]} by their heading {head[at]!r}, and seconds are read",
+            "a column t_s in seconds, or dates like 2026-11-23T08:15:00",
+            Place(name, numbers[0]),
+        )
     columns, known = _columns([c if i != at else "" for i, c in enumerate(head)], cells, time)
     if not columns:
         raise LogError(
@@ -191,7 +205,7 @@ def check(log: Log, used: list[str]) -> None:
     Celsius: by what it reads, or by how fast it changes."""
     for column in used:
         low, high = float(log.columns[column].min()), float(log.columns[column].max())
-        if low < PLAUSIBLE[0] or high > PLAUSIBLE[1]:
+        if low < PLAUSIBLE[0] or high > PLAUSIBLE[1] or OTHER_DEGREES.search(column):
             raise LogError(
                 f"{column} goes from {low:g} to {high:g}",
                 "temperatures are degrees Celsius: is it Fahrenheit, or no temperature?",

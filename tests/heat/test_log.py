@@ -38,6 +38,28 @@ def test_what_is_no_table_is_refused_with_its_line(text, line, says):
     assert refused.value.place.line == line
 
 
+@pytest.mark.parametrize(
+    "heading", ["t_min", "Time (min)", "minutes", "time_ms", "Zeit [h]", "days"]
+)
+def test_times_in_another_unit_are_refused(heading):
+    """A day in minutes was read as 24 minutes."""
+    with pytest.raises(log.LogError, match="seconds are read"):
+        log.read("log.csv", f"{heading},T1\n0,20\n1440,21\n".encode())
+    for name in ("t_s", "time", "Time (s)", "moment", "Uhrzeit"):
+        assert list(log.read("log.csv", f"{name},T1\n0,20\n60,21\n".encode()).time) == [0, 60]
+    dated = f"{heading},T1\n2026-11-23T08:00,20\n2026-11-23T09:00,21\n"
+    assert list(log.read("log.csv", dated.encode()).time) == [0, 3600]
+
+
+@pytest.mark.parametrize("heading", ["T1 (°F)", "T1_degF", "T1 [K]", "Fahrenheit"])
+def test_degrees_that_are_not_Celsius_are_refused(heading):
+    """68 F is a room, and 68 C a machine that is 0.2 mm longer in 400 mm of steel."""
+    found = log.read("log.csv", f"t_s,{heading},T_F_C\n0,68,20\n60,68,20\n".encode())
+    with pytest.raises(log.LogError, match="goes from 68"):
+        log.check(found, [heading])
+    log.check(found, ["T_F_C"])
+
+
 def test_a_column_ends_with_its_own_last_reading(tmp_path, capsys):
     """The other column goes on for two hours: that does not make this one longer."""
     rows = ["t_s,T_scale_X_C,T_work_C", "0,20,20", "60,20.5,20", "3600,,20", "7200,,21"]
