@@ -5,6 +5,8 @@ of integers do not depend on where the input was cut, and a chain of incremental
 drift. The range is +-900 km.
 """
 
+import re
+
 import numpy as np
 
 # words of ten decimals of a mm, and of nine of an inch (254 ticks each), are whole ticks
@@ -19,6 +21,11 @@ UM = 1e-3  # mm
 URAD = 1e-6  # rad
 # a larger coordinate is a slip of the pen, and would come near the end of int64
 LARGEST_WORD_MM = 1e6
+
+# What a heading of times says that are no seconds: "Time (min)", t_min, elapsed_h, time_ms.
+OTHER_TIME = re.compile(
+    r"(?:^|[\s_(\[])(min(?:ute)?s?|h(?:ou)?rs?|h|days?|[mµμun]s)[)\].]*$", re.IGNORECASE
+)
 
 
 def in_mm(ticks: np.ndarray) -> np.ndarray:

@@ -20,13 +20,11 @@ import numpy as np
 from postproc import intake
 from postproc.diagnose.thermometers import JUMP_K, SPEED
 from postproc.errors import GcompError, Place
+from postproc.units import OTHER_TIME
 
 # degrees Celsius of a machine; beyond, a column is no temperature in Celsius
 PLAUSIBLE = (-40.0, 150.0)
-# What a heading says of another unit: "Time (min)", t_min, elapsed_h, time_ms; "T1 (°F)", T_degF.
-OTHER_TIME = re.compile(
-    r"(?:^|[\s_(\[])(min(?:ute)?s?|h(?:ou)?rs?|h|days?|ms)[)\].]*$", re.IGNORECASE
-)
+# What a heading says of other degrees: "T1 (°F)", T_degF.
 OTHER_DEGREES = re.compile(
     r"°\s*[FK]\b|deg_?F|fahrenheit|kelvin|[(\[]\s*[FK]\s*[)\]]", re.IGNORECASE
 )

@@ -11,7 +11,8 @@ from postproc.errors import UsageError
 from postproc.recordings import ReadingOptions, Source
 from postproc.recordings import _components as components
 from postproc.recordings import _text as text
-from postproc.units import MM_PER_INCH
+from postproc.recordings import _units as units
+from postproc.units import MM_PER_INCH, OTHER_TIME
 
 #     Z_mm, Z_in           a position       reading_um, actual_mm      a reading, a position for it
 #     C_deg                                 forward2_um, reverse_um    one column to each run
@@ -97,7 +98,40 @@ def columns(
             raise UsageError(
                 f"--column {name}={j + 1}: the table has {widest} columns", "they count from 1"
             )
-    return (top + 1 if top >= 0 else _first_of_numbers(table, list(at.values()))), at
+    top = top + 1 if top >= 0 else _first_of_numbers(table, list(at.values()))
+    for name, heading in _headings(table, top, at).items():
+        _check_unit(name, heading)
+    return top, at
+
+
+def _headings(table: text.Table, top: int, at: dict[str, int]) -> dict[str, str]:
+    """Name to the heading of its column, of the row above the data."""
+    cells = table.rows[top - 1][1] if top else []
+    return {name: cell_of(cells, j) for name, j in at.items()}
+
+
+def _check_unit(name: str, heading: str) -> None:
+    """Raises UsageError where a heading says another unit than the name that it was given: a factor
+    of 25.4 or 1000 looks like a machine."""
+    if name == "t_s":
+        found = OTHER_TIME.search(heading)
+        said, wanted = (found[1] if found else "", "seconds")
+    else:
+        unit, own = units.in_heading(heading), units.unit_of(name.rpartition("_")[2])
+        differs = unit and own and (unit.quantity, unit.factor) != (own.quantity, own.factor)
+        said, wanted = (unit.name if unit and differs else "", own.name if own else "")
+    if said:
+        raise UsageError(
+            f"--column {name}={heading}: the heading says {said}, and {name} is {wanted}",
+            "Z_mm, Z_in, reading_um, reading_mm ... name the unit of the file; what has no name in"
+            " that unit is to be converted in the table",
+        )
+
+
+def headed(table: text.Table, top: int, at: dict[str, int], names: Iterable[str]) -> set[str]:
+    """Units that the headings of these columns say."""
+    found = _headings(table, top, {n: at[n] for n in names})
+    return {unit.name for h in found.values() if (unit := units.in_heading(h))}
 
 
 def _first_of_numbers(table: text.Table, columns: list[int]) -> int:

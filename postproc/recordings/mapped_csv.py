@@ -94,7 +94,7 @@ def _targets(source, options, table, top, at, notices) -> Recording:
     """Readings at targets, one a row or several."""
     named = names.named_in(at)
     moving = names.moving(named, options)
-    said = _unit(named.units)
+    said = _unit(named.units or names.headed(table, top, at, named.readings))
     where = table.rows[top - 1][0] if top else 1
     component = components.positioning(options, source, moving, said, where, notices)
     unit = components.unit_for(options, source, component, said, where)

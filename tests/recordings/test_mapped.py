@@ -52,6 +52,26 @@ def test_the_unit_is_demanded():
         taken("a.csv", LONG, columns=MAPPING, unit="mm")
 
 
+@pytest.mark.parametrize(
+    ("columns", "says"),
+    [
+        ({"Z_mm": "Pos (in)", "reading_um": "Dev (um)"}, "says inch, and Z_mm is mm"),
+        ({"Z_in": "Pos (in)", "reading_um": "Err (mm)"}, "says mm, and reading_um is um"),
+        ({"Z_in": "1", "reading_um": "3"}, "says mm, and reading_um is um"),
+        ({"Z_in": "Pos (in)", "reading_um": "Dev (um)", "t_s": "t (ms)"}, "says ms"),
+        ({"t_s": "t (ms)", "X_cmd_mm": "Pos (in)", "X_act_mm": "Err (mm)"}, "says ms"),
+    ],
+)
+def test_a_heading_of_another_unit_is_refused(columns, says):
+    """Inches read as mm, mm as um and ms as s were taken without a word."""
+    text = "Pos (in),Dev (um),Err (mm),t (ms)\n0,1,0.001,0\n1,2,0.002,100\n2,4,0.004,200\n"
+    with pytest.raises(UsageError, match=says):
+        taken("a.csv", text, columns=columns)
+    right = taken("a.csv", text, columns={"Z_in": "Pos (in)", "reading": "Err (mm)"})
+    assert_allclose(right.position("Z"), [0, 25.4, 50.8])
+    assert_allclose(right.columns["reading_um"], [1, 2, 4])
+
+
 def test_positions_for_deviations():
     """actual - commanded: 10.0025 - 10 mm is 2.5 um."""
     text = "pos,act,run\n0,0.0015,1\n10,10.0025,1\n10,9.9995,2\n0,-0.0015,2\n"

@@ -15,6 +15,7 @@ import pytest
 from numpy.testing import assert_allclose
 from pytest import approx
 
+from postproc.errors import UsageError
 from postproc.recordings import ReadingOptions, RecordingError, Source, contract, read
 
 SEED = Path(__file__).resolve().parents[2] / "proof" / "seed" / "tables"
@@ -82,19 +83,17 @@ def test_the_yaw_has_no_unit_and_is_not_given_one():
 
 
 def test_mm_taken_for_um_are_named():
-    recording = read(
-        Source(Z, (SEED / Z).read_bytes()),
-        "",
-        ReadingOptions(
-            component="EZZ",
-            columns={
-                "Z_mm": "z_mm",
-                "forward_um": "dzz_forward_mm",
-                "reverse_um": "dzz_reverse_mm",
-            },
-        ),
-    )
-    told = next(t for t in recording.notices if "range over" in t)
+    """A heading that says mm refuses it; one that says nothing leaves the range to tell."""
+    ways = {"forward_um": "dzz_forward_mm", "reverse_um": "dzz_reverse_mm"}
+    how = ReadingOptions(component="EZZ", columns={"Z_mm": "z_mm", **ways})
+    data = (SEED / Z).read_bytes()
+    with pytest.raises(UsageError, match="the heading says mm, and forward_um is um"):
+        read(Source(Z, data), "", how)
+    ways = {name: heading.removesuffix("_mm") for name, heading in ways.items()}
+    for heading in ways.values():
+        data = data.replace(f"{heading}_mm".encode(), heading.encode())
+    how = ReadingOptions(component="EZZ", columns={"Z_mm": "z_mm", **ways})
+    told = next(t for t in read(Source(Z, data), "", how).notices if "range over" in t)
     assert "0.0116 um" in told and "mm read as um? Then they range over 11.6 um" in told
 
 
