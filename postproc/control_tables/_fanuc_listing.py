@@ -224,7 +224,7 @@ def csv_files(
     for number in ORDER:
         if any(number in known for known in settings.values()):
             cells = [
-                f"{settings[axis][number]:g}" if number in settings[axis] else ""
+                f"{settings[axis][number]:.0f}" if number in settings[axis] else ""
                 for axis in settings
             ]
             table.append(f"{number},{MEANING[number]}," + ",".join(cells))
@@ -268,7 +268,7 @@ def g10(
 def _value(number: int, value: float, form: str, options: ExportOptions) -> str:
     if number == 3624 and form == "l52":  # a length with a decimal point on these controls
         return f"{value * increment(options) / common.mm_per_unit(options):.4f}"
-    return f"{value:g}"
+    return f"{value:.0f}"
 
 
 def records(
@@ -284,7 +284,7 @@ def records(
             if number in known
         ]
         if have and number != 3605:
-            lines.append(f"N{number:05d} " + " ".join(f"A{i} P{v:g}" for i, v in sorted(have)))
+            lines.append(f"N{number:05d} " + " ".join(f"A{i} P{v:.0f}" for i, v in sorted(have)))
     lines += [
         f"N{PITCH + n} P{v}" for numbers in pitch.values() for n, v in sorted(numbers.items())
     ]

@@ -129,14 +129,14 @@ def _nodes(
                 )
                 raise UsageError(
                     f"a spacing of {options.spacing:g} mm is not a power of two x 0.1 um",
-                    f"--spacing {' or '.join(f'{n:g}' for n in near)}",
+                    f"--spacing {' or '.join(f'{n:.10g}' for n in near)}",
                 )
         step = TICK * 2**power
         count = math.ceil(float(np.ptp(nodes)) / step - 1e-9) + 1
         if count > most:
             raise TableError(
                 f"{span.moving}: {count} entries of {step:g} mm, and the control has {most}",
-                f"--spacing {2 * step:g}",
+                f"--spacing {2 * step:.10g}",
             )
         return np.asarray(np.round(nodes[0] + step * np.arange(max(2, count)), 9))
     if options.spacing:

@@ -193,3 +193,14 @@ def test_numbers_that_do_not_fit_are_refused():
     jump = ErrorTable("X", "X", np.array([0.0, 10.0]), np.array([0.0, 5.0]), np.array([0.0, 5.0]))
     with pytest.raises(TableError, match="more than 7 x 100 detection units"):
         fanuc.write([jump], replace(HOME, spacing=10.0))
+
+
+@pytest.mark.parametrize("form", ["csv", "records", "l50"])
+def test_an_interval_of_seven_digits_is_written_whole(form):
+    """123.4567 mm are 1234567 least increments of 0.1 um: 1.23457e+06 was written."""
+    nodes = np.array([0.0, 123.4567, 246.9134])
+    table = ErrorTable("X", "X", nodes, *(np.array([0.0, 0.005, 0.002]),) * 2)
+    extra = {"increment_mm": "0.0001", "form": form}
+    options = ExportOptions(reference={"X": 0.0}, spacing=123.4567, extra=extra)
+    export = fanuc.write([table], options)
+    assert b"1234567" in b"".join(export.files.values()) and export.remainder["EXX"] < 1e-9
