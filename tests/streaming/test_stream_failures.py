@@ -109,6 +109,27 @@ def test_a_line_s_number_is_no_proof_of_the_zero(place):
         assert status == 0, err
 
 
+def test_an_axis_that_was_jogged_since_goes_back_to_where_the_journal_had_it(place):
+    """The program names no Y: it stood at 150 when it began, and somebody moved it to 20."""
+    whole = ["G21 G90 G94 G17 G54", "G0 Z20", "G0 X10", "M3 S9000", "G1 Z2 F300"]
+    whole += [f"G1 X{10 + i % 7}" for i in range(60)]
+    (place / "job.nc").write_text("\n".join([*whole, "G0 Z20", "M30", ""]))
+    made = model()
+    made.place[1] = made.target[1] = 150.0
+    with PtyHost(made, speed=10.0) as host:
+        with running(place, host, 30, "job.nc") as process:
+            process.kill()
+        assert host.soon(host.idle)
+        made.place[1] = made.target[1] = 20.0
+        resume = ("job.nc", "--resume-from", "40", "--yes", "--zero-is-right")
+        status, _, err = stream(place, host, *resume)
+        assert status == 0, err
+        assert made.place[1] == pytest.approx(150.0, abs=0.1)
+        (place / "job.nc.journal").unlink()
+        status, _, err = stream(place, host, *resume)
+        assert status == 2 and "where Y stands before it is not known" in err, err
+
+
 def test_what_asks_a_late_controller_is_no_row_of_the_job():
     """Marlin's question begins with an empty line, which a GRBL that greets late receives, too."""
     with PtyHost(model()) as host:

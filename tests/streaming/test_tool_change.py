@@ -247,3 +247,19 @@ def test_macros_and_blocks_of_changes():
         longer.put(b"G43.1 Z{longer}", ["[TLO:0.000]", "[PRB:0.000,0.000,0.000:0]"])
     assert longer.put(b"G43.1 Z{longer}", ["[PRB:1.000,2.000,-30.000:1]"]) == b"G43.1 Z0.000"
     assert longer.put(b"G43.1 Z{longer}", ["[PRB:1.000,2.000,-31.250:1]"]) == b"G43.1 Z-1.250"
+
+
+def test_an_axis_that_the_program_never_names_comes_back_to_where_it_stood(place):
+    """Y stands at 150 when the job begins, and at 5 when it was parked: all cuts are at 150."""
+    first = [row for row in FIRST if row not in ("T1 M6", "G0 X10 Y10")]
+    second = [row.replace("Y90", "X90") for row in SECOND]
+    text = "\n".join([*first, "N90 T2 M6", *second, ""])
+    made = prepared()
+    made.place[1] = made.target[1] = 150.0
+    with PtyHost(made, speed=60.0) as host:
+        status, _, err = job(place, host, text=text)
+    assert status == 0, err
+    rows = sent_rows(host)
+    back = next(r for r in rows[rows.index("N90T2M0") :] if r.startswith("G0X60"))
+    assert float(re.search(r"Y([\d.]+)", back)[1]) == pytest.approx(150.0, abs=0.05)
+    assert made.place[1] == pytest.approx(150.0, abs=0.05)

@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
             job = jobs.prepare(options, machine, greeting.protocol, live, copy)
             if options.resume_from:
                 line = jobs.zero_is_certain(job, line, past, greeting.restarted)
-                jobs.restarted(job, line)
+                jobs.restarted(job, line, past)
             load = _precheck(options, job)
             signals.at_once = None  # from here on the job obeys
             return _passed_and_streamed(options, machine, Link(port, greeting, signals), job, load)

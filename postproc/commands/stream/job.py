@@ -48,7 +48,8 @@ def is_file(path: str | None) -> bool:
 class Job:
     """What was asked for, with the filter's maker. begin: the source line to begin with; preamble:
     blocks before it; copy: the program as it was at first, None of a pipe; whole: its text, where
-    it is written out; library: texts of its subprograms. macros: of its tool changes."""
+    it is written out; library: texts of its subprograms. macros: of its tool changes. start: axis
+    to mm, where the machine stood when the program began, as far as that is known."""
 
     options: argparse.Namespace
     fresh: Callable[..., Filter]
@@ -65,6 +66,13 @@ class Job:
     sources: list[Source] = field(default_factory=list)
     known: Precheck | None = None
     pace: Pace | None = None
+    start: dict[str, float] = field(default_factory=dict)
+
+    def as_begun(self, live: lives.Live, start: dict[str, float]) -> Filter:
+        """A filter that reads the program from its beginning, with the zeros of `live`. An axis
+        that the program does not name stands at `start`, and not where it was jogged or parked
+        since."""
+        return self.fresh(replace(live, place=start))
 
     def leg(
         self, filter_: Filter, begin: int, preamble: tuple[bytes, ...], number: int = 1
@@ -197,8 +205,9 @@ def prepare(
         )
     macros = tools.read(options, protocol)
     job = Job(
-        options, fresh, protocol, live, [*base.notices, *notices], name, copy=copy, macros=macros
-    )
+        options, fresh, protocol, live, [*base.notices, *notices], name, copy=copy, macros=macros,
+        start=live.place,
+    )  # fmt: skip
     if options.expand:
         job.whole = _whole(options, copy)
     return job
@@ -281,12 +290,21 @@ def zero_is_certain(job: Job, line: int, past: journals.Past | None, restarted: 
     return zero.certain(past, job.live, letters, controller)
 
 
-def restarted(job: Job, line: int) -> None:
+def _began(past: journals.Past | None, letters: tuple[str, ...]) -> dict[str, float]:
+    """Axis to mm: where the machine stood when the program began, by the journal of a job that
+    began with its first line."""
+    if past is None or past.head["begin"] != 1:
+        return {}
+    return {x: v for x, v in zip(letters, past.place, strict=False) if v is not None}
+
+
+def restarted(job: Job, line: int, past: journals.Past | None = None) -> None:
     """Let the job begin with a line: the blocks that bring back what is in force are shown, and
-    agreed to. Raises."""
+    agreed to. past: what its journal says. Raises."""
     options = job.options
     if line > 1:
-        filter_ = job.fresh()
+        job.start = _began(past, job.letters)
+        filter_ = job.as_begun(job.live, job.start)
         assert job.copy is not None
         with job.copy.opened() as stream:
             before, rest = restart.read_before(filter_, stream, line)

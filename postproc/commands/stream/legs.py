@@ -43,7 +43,7 @@ def _through_changes(job: Job, answers: Answers | None, bare: bool) -> Iterator[
     #     leg: preamble, lines up to M6 | OPENING, park, M0, touch off, $# $G | preamble, lines ...
     # Behind the change the zeros may be others: a fresh filter reads on with what the controller
     # says.
-    number, begin, live = 1, job.begin, job.live
+    number, begin, live, start = 1, job.begin, job.live, job.start
     preamble: tuple[bytes, ...] | None = tuple(M6.sub(b"M0", x) for x in job.preamble)
     longer = Longer(job.protocol.controller.unit)
     asks = None if bare else answers
@@ -58,7 +58,9 @@ def _through_changes(job: Job, answers: Answers | None, bare: bool) -> Iterator[
                 yield [line]
         live = asks.wait() if asks is not None else live
         begin = change.source + 1
-        preamble = _behind(job, job.fresh(live), begin, live)
+        preamble, moved = _behind(job, job.as_begun(live, start), begin, live)
+        # nothing was gone back to: the program goes on from where the change left the machine
+        start = start if moved else live.place
         if asks is not None and preamble is not None:
             _recheck(job, live, begin, preamble)
 
@@ -107,13 +109,15 @@ def _changed(
         number += 1
 
 
-def _behind(job: Job, filter_: Filter, begin: int, live: lives.Live) -> tuple[bytes, ...] | None:
+def _behind(
+    job: Job, filter_: Filter, begin: int, live: lives.Live
+) -> tuple[tuple[bytes, ...] | None, bool]:
     """The blocks that bring back what is in force and where the tool was, at a line behind a tool
-    change; None: nothing comes any more."""
+    change, and whether it had moved before; None: nothing comes any more."""
     assert job.copy is not None
     with job.copy.opened() as stream:
         if not any(number >= begin for number, _ in enumerate(stream, 1)):
-            return None
+            return None, True
     with job.copy.opened() as stream:
         before, rest = restart.read_before(filter_, stream, begin)
     stays = not before.moved
@@ -133,7 +137,7 @@ def _behind(job: Job, filter_: Filter, begin: int, live: lives.Live) -> tuple[by
         )
     # it has just been put in: the preamble must not change it once more
     before.loaded = ""
-    return tuple(restart.preamble(filter_, before, job.safe(), live.place, stays))
+    return tuple(restart.preamble(filter_, before, job.safe(), live.place, stays)), before.moved
 
 
 def _take_notices(job: Job) -> None:
