@@ -90,6 +90,7 @@ class Precheck:
             for k, t in zip(order, self.travel, strict=True)
         ]
         self._feed = _value("F", controller.modal) > 0
+        self._inverse = "G93" in controller.modal
         # Words that a reset would change, and that the program has not said yet; in_force: which of
         # them it goes by.
         self._unsaid = {"F"} if self._feed else set()
@@ -126,16 +127,23 @@ class Precheck:
                 " the job",
                 "write the program out: --expand, with the --dialect that it was written for",
             )
-            # one over minutes, under G93: an F from before is none there
-        if MODES.search(text) and not FEED.search(text):
-            self._feed = False if b"93" in text else self._feed
-        self._feed = self._feed or bool(FEED.search(text))
+        self._feed = self._fed(text)
         if self._feeds and not self._feed and AXIS.search(text) and not NO_AXES.search(text):
+            lacks = "without its F under G93" if self._inverse else "before any F"
             raise self._no(
                 line,
-                "a feed (G1, G2, G3) before any F: the controller would refuse it with error:22",
+                f"a feed (G1, G2, G3) {lacks}: the controller would refuse it with error:22",
                 "put an F word into this block or one before it",
             )
+
+    def _fed(self, text: bytes) -> bool:
+        """Whether a feed holds in this line. Under G93, where F is one over minutes, each line
+        wants its own, and G94 behind it forgets them all (gcode.c)."""
+        if MODES.search(text):
+            before, self._inverse = self._inverse, b"G93" in text.upper()
+            self._feed = self._feed and self._inverse == before
+        here = bool(FEED.search(text))
+        return here if self._inverse else self._feed or here
 
     def _goes_by(self, text: bytes) -> None:
         """Whether this line goes by a motion, a feed or a speed from before the program."""

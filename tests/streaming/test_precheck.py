@@ -53,6 +53,10 @@ def made(**how):
         ),
         ("G1 X-5\nM2\n", PERFECT, "job.nc:3: nothing was sent: a feed (G1, G2, G3) before any F"),
         ("X-7\nG1\nF100\nX-3\nG93\nX-4 F2\nM2\n", PERFECT, ""),
+        # under G93 each line wants its own F, and G94 behind it forgets them
+        ("G93\nG1 X-3 F9\nX-4\nM2\n", PERFECT, "job.nc:5: nothing was sent: a feed (G1, G2, G3) w"),
+        ("G1 X-3 F100\nG93 X-4 F9\nG94\nX-5\nM2\n", PERFECT, "job.nc:6: nothing was sent: a feed"),
+        ("G1 X-3 F100\nG93 X-4 F9\nG94 X-5 F90\nX-6\nM2\n", PERFECT, ""),
         ("T2 M6\nG1 X-5 F600\nM2\n", RAW, "job.nc:3: M6 changes the tool"),
     ],
 )
