@@ -406,3 +406,15 @@ def test_A7_lines_are_cleaned_or_refused():
 def test_restarted_voids_what_was_sent():
     protocol, events = heard(b"start\n")
     assert isinstance(events[0][0], Restarted) and protocol.outstanding() == []
+
+
+@pytest.mark.parametrize(
+    ("unit", "place"), [("G21    ; (mm)", (10.0, 0.0, 5.0)), ("G20 ; (in)", None)]
+)
+def test_steps_of_a_firmware_in_inches_say_no_place(unit, place):
+    """M92.cpp: LINEAR_UNIT divides 80 steps/mm by 25.4 under G20: X 10 mm would be 254 mm."""
+    protocol = Marlin()
+    steps = "X80.00 Y80.00 Z400.00" if place else "X3.15 Y3.15 Z15.75"
+    protocol.learn(b"M503 S0", [f"echo:  {unit}", f"echo:  M92 {steps}"])
+    assert protocol.place((0.0, 0.0, 0.0), " E:0.00 Count X:800 Y:0 Z:2000") == place
+    assert protocol.controller.modal == ([] if place else ["G20"])

@@ -148,9 +148,10 @@ def _precheck(options: argparse.Namespace, job: Job) -> Load | None:
 
     load = None
     if is_file(options.file) or options.expand:
-        # 10 bits a byte on a serial wire; what carries a socket has no rate that is known
+        # 10 bits a byte on most serial wires, 11 of 7E2; a socket has no rate that is known
         wired = "://" not in options.port or job.protocol.confirms == "nothing"
-        load = legs.precheck(job, options.baud / 10 if wired else 0.0)
+        bits, parity, stop = frame(options)
+        load = legs.precheck(job, options.baud / (1 + bits + (parity != "N") + stop) * wired)
         if load.warning():
             print(f"gcomp: warning: {load.warning()}", file=sys.stderr)
     if not options.quiet:

@@ -25,6 +25,7 @@ NAME = re.compile(
     r"FIRMWARE_NAME:\s*((?:Virtual )?\S*Marlin\S*)\s*([0-9][^\s(]*|bugfix\S*)?", re.IGNORECASE
 )
 SETTING = re.compile(r"(?:echo:)?\s*M(\d+)((?: +[A-Z]-?\d+(?:\.\d+)?)+)")
+INCHES = re.compile(r"(?:echo:)?\s*G20\b")
 WORD = re.compile(r"([A-Z])(-?\d+(?:\.\d+)?)")
 COUNT = re.compile(r"Count:? +X: *(-?\d+) +Y: *(-?\d+) +Z: *(-?\d+)")
 SLOW = re.compile(
@@ -122,7 +123,11 @@ class Marlin(Numbered):
             c.settings.setdefault("M" + found[1], found[2].strip())
         values = {k: {a: float(v) for a, v in WORD.findall(text)} for k, text in c.settings.items()}
         steps = tuple(values.get("M92", {}).get(x, 0.0) for x in "XYZ")
-        if min(steps) > 0:
+        if any(map(INCHES.match, answers)):
+            # M503 divides its lengths by 25.4 then, and the steps too (LINEAR_UNIT): where it
+            # stands is not told by them
+            c.modal = ["G20"]
+        elif min(steps) > 0:
             self._steps = steps
         c.compensates = compensates(values)
 
