@@ -268,3 +268,79 @@ def test_a_word_put_in_does_not_travel_the_change_of_the_zero():
     text = "G90 G500 G0 X10 Y10 Z50\nG54\nX11 Y11\nG91\nG1 X200 F100\n"
     out = corrected(text, "siemens", zeros)[0]
     assert "Z=AC(29.9" in out or "Z=AC(30.0" in out
+
+
+EDGES = {
+    "T1D1": {"Z": 30.0, "R": 4.0},
+    "T1D2": {"Z": 20.0, "R": 1.0},
+    "T2D1": {"Z": 150.0, "R": 5.0},
+    "T2D2": {"Z": 90.0, "R": 2.0},
+}
+TOOLS = "G0 X0 Y0 Z9.\n{}\nG0 X10. Y10. Z10.\nG1 X20. Z5. F100\n"
+
+
+def driven(dialect: str, text: str) -> tuple[float, float]:
+    """Length and radius in force behind a text, read in one piece and line by line."""
+    setup = Setup(("X", "Y", "Z"), offsets={"G54": {}, "G500": {}, **EDGES})
+    interpreter = Interpreter(loaded := dialects.load(dialect), setup)
+    whole = f"G90\n{text}\nG41 X1 Y1\n".encode()
+    found = []
+    for parts in ([whole], whole.splitlines(keepends=True)):
+        state = interpreter.initial()
+        for part in parts:
+            motions, state, _ = interpreter.run(lex(part, loaded.grammar), state)
+        found.append((float(state.frame.length[2]) / TICKS_PER_MM, abs(state.beside.radius)))
+    assert found[0] == found[1]
+    return found[0]
+
+
+@pytest.mark.parametrize("dialect", ["siemens", "fagor"])
+@pytest.mark.parametrize(
+    ("text", "edge"),
+    [
+        # no M6 in the program: T brings the tool, with its first edge (MD22550 = 0, a turret)
+        ("T1 D1", "T1D1"),
+        ("T1 D1\nG1 X2 F9\nT2 D1", "T2D1"),
+        ("T1 D2\nG1 X2 F9\nT2", "T2D1"),
+        ("T1 D2\nT2 D2", "T2D2"),
+        ("T1\nD2", "T1D2"),
+        ("T2", "T2D1"),
+        ("T1\nT2\nD2\nT1\nD2", "T1D2"),
+        # M6 brings it
+        ("T1 M6\nD1\nT2 M6\nD1", "T2D1"),
+        ("T1 M6\nD1\nT2 M6 D1", "T2D1"),
+        ("T1 M6\nD1\nT2 D1 M6", "T2D1"),
+        ("T1 M6\nD2\nT2 M6", "T2D1"),
+        ("T2\nM6\nD2", "T2D2"),
+        ("T2\nM6", "T2D1"),
+        ("T2 D2\nM6", "T2D2"),
+        # once it has, T alone makes the next tool ready (MD22550 = 1; Fagor 8055: NXTOOL, NXTOD)
+        ("T1 M6\nT2\nD1", "T1D1"),
+        ("T1 M6\nD2\nT2", "T1D2"),
+        ("T1 M6\nD2\nT2\nX1\nM6", "T2D1"),
+        ("T1 M6\nT2\nD1\nM6\nD2", "T2D2"),
+        ("T1 M6\nD1\nT2\nM6\nT1\nD2", "T2D2"),
+        ("T1 M6\nD1\nT2\nM6 D2", "T2D2"),
+        ("T1 M6 D2\nM6", "T1D2"),
+    ],
+)
+def test_d_is_an_edge_of_the_tool_that_is_in_use(text, edge, dialect):
+    """Siemens W1 (6FC5397-0BP10-2BA0), "Selection of the cutting edge when changing tool" and 2.2.5
+    "Programming M6"; Fagor 8055, 13.2.2 "Variables associated with tools"."""
+    place = EDGES[edge]
+    assert driven(dialect, text) == pytest.approx((place["Z"], place["R"]))
+
+
+def test_d_is_an_edge_of_the_tool_that_is_stated_at_the_start():
+    setup = Setup(("X", "Y", "Z"), offsets=EDGES, tool=2)
+    tracker = Tracker(Interpreter(dialects.load("siemens"), setup))
+    tracker.take(b"D1")
+    assert tracker.state.frame.length[2] == 150 * TICKS_PER_MM
+
+
+@pytest.mark.parametrize("words", ["T2 M6\nD1", "T2 M6 D1", "T2 D1 M6", "T2 D1\nM6", "T2\nM6"])
+def test_the_length_of_a_new_tool_is_its_own(words):
+    """By hand: Z of the slides is 120 mm higher with T2D1, wherever D stands."""
+    head = "G90 G500\nT1 M6\nD1\n"
+    texts = [corrected(head + TOOLS.format(w), "siemens", EDGES)[0] for w in (words, "T2 M6\nD1")]
+    assert texts[0].split("\n")[-3:] == texts[1].split("\n")[-3:]

@@ -46,6 +46,7 @@ def beside_columns(b: Batch, block: np.ndarray) -> dict[str, np.ndarray]:
     named = (
         "cutter" in b.given
         or "D" in b.places
+        or b.beside is not b.state.beside
         or b.beside.on
         or b.state.codes.get("cutter", NONE) in b.dialect.beside
     )
@@ -97,7 +98,9 @@ def _tools(b: Batch) -> tuple[np.ndarray, np.ndarray]:
         if len(named)
         else {}
     )
-    state, edges, seen = b.state.beside, [0], [b.state.beside]
+    if b.beside is not b.state.beside:  # by the first block (lengths.edge_of)
+        offsets[0] = b.beside.offset
+    state, edges, seen = b.beside, [0], [b.beside]
     for block in sorted({*begins, *offsets}):
         code = int(given[block]) if given is not None and block in begins else NONE
         state = _from(b, state, block, code, offsets.get(block))

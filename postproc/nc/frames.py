@@ -20,6 +20,7 @@ from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.codes import code_number
 from postproc.nc.grammar import KEYWORD_LETTER
 from postproc.nc.lengths import (
+    edge_of,
     left_open,
     length_by,
     length_of,
@@ -82,15 +83,13 @@ def event(b: Batch, axis_words: AxisWords) -> None:
 
 
 def _edge(b: Batch, axis_words: AxisWords) -> None:
-    """D with its length, where the control has no G43; a new tool comes with its first edge."""
+    """A length by its number alone, where the control has no G43."""
     letter = b.dialect.length_letter
-    number, tool = number_of(b, letter), number_of(b, "T")
+    number = edge_of(b) if letter == "D" else number_of(b, letter)
     if number is not None and (letter != "H" or b.dialect.length_at_once):
         length_by(b, axis_words, letter, int(number))
     elif number is not None and (sign := sign_of_h(b)):
         _length(b, axis_words, "H", sign=sign)
-    elif letter == "D" and tool is not None:
-        length_by(b, axis_words, letter, 1 if tool else 0)
 
 
 LOST = (

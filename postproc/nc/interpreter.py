@@ -61,7 +61,7 @@ from postproc.nc.refusals import (
     unnamed_motions,
 )
 from postproc.nc.splines import refuse_splines, spaced_column
-from postproc.nc.state import NONE, Frame, ModalState, Setup, no_frame
+from postproc.nc.state import NONE, Beside, Frame, ModalState, Setup, no_frame
 from postproc.nc.stops import stop_column
 from postproc.nc.threads import thread_columns
 from postproc.nc.tips import first_frame, refuse_cycles, refuse_tips, tip_codes, transformed
@@ -95,7 +95,10 @@ class Interpreter(Control):
         start, known = self.stands()
         frame = self._first_frame()
         position, known = transformed(setup.kinematics, start, known, (None, frame))
-        return ModalState(modal, position, known, frame=frame, tool_number=setup.tool)
+        beside = Beside(tool=setup.tool if self.dialect.length_letter == "D" else NONE)
+        return ModalState(
+            modal, position, known, frame=frame, beside=beside, tool_number=setup.tool
+        )
 
     def _first_frame(self) -> Frame:
         """No shift, but a G92 that was in force before the program."""
@@ -141,13 +144,15 @@ class Interpreter(Control):
         letters_there = words.letter.tobytes()
         if b"G" in letters_there or KEYWORD_LETTER in letters_there:
             place = ((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER)).nonzero()[0]
-        switches = tip_codes(self.dialect, self.setup)
+        switches = list(tip_codes(self.dialect, self.setup))
+        if self.dialect.length_letter == "D":
+            switches.append(6)  # M6 brings a tool with its edge
         letters = self.dialect.shifts_at_once
         if not len(place) and not letters and not switches:
             return [0, words.blocks], None
         tools: list[int] = []
-        if switches:
-            coded = np.isin(words.mantissa, list(switches)) & (words.decimals == 0)
+        if switches and b"M" in letters_there:
+            coded = np.isin(words.mantissa, switches) & (words.decimals == 0)
             tools = words.block[coded & (words.letter == ord("M"))].tolist()
         if letters:
             tools += words.block[np.isin(words.letter, letters)].tolist()

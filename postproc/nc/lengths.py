@@ -210,13 +210,44 @@ def _of_h0(b: Batch, add: bool) -> float:
     return 0.0
 
 
+def _changes(b: Batch) -> bool:
+    """Whether the first block has M6."""
+    change = words_of(b, "M")
+    return bool((b.words.block[change[b.words.mantissa[change] == 6]] == 0).any())
+
+
 def _tool_in_spindle(b: Batch) -> int:
     """The tool that the first block's M6 brings, or that is there already."""
-    change = words_of(b, "M")
     called = number_of(b, "T")
-    if (b.words.block[change[b.words.mantissa[change] == 6]] == 0).any():
+    if _changes(b):
         return int(called) if called is not None else b.state.next_tool
     return b.state.tool_number
+
+
+def edge_of(b: Batch) -> int | None:
+    """The edge (D) that the first block brings into force, None: none. Sets `tool`, `offset` and
+    `waits` of b.beside.
+
+    T brings a tool with the edge beside it, or its first one (MD20270 as delivered). Where M6
+    changes tools (MD22550) T only makes the next one ready, and D stays an edge of the tool in use
+    (Sinumerik W1, 6FC5397-0BP10-2BA0, 2.1.1 and 2.2.5): the program says so by its first M6. That
+    the D beside such a T waits with it is said of Fagor's 8055 (NXTOD, 13.2.2 of its programming
+    manual), and read so of Sinumerik.
+    """
+    tool, d, changes, held = number_of(b, "T"), number_of(b, "D"), _changes(b), b.beside
+    if tool is not None and d is None:
+        d = min(tool, 1)
+    if changes:
+        held = replace(held, by_m6=True)
+        if tool is None and held.waits != NONE:
+            tool, d = b.state.next_tool, held.waits if d is None else d
+    elif tool is not None and held.by_m6:
+        b.beside = replace(held, waits=int(d))
+        return None
+    if tool is not None:
+        held = replace(held, tool=int(tool), waits=NONE)
+    b.beside = held if d is None else replace(held, offset=int(d))
+    return None if d is None else int(d)
 
 
 def _units_changed(b: Batch) -> bool:

@@ -121,7 +121,9 @@ class Beside:
     right; radius: mm, + where the centre lies left of the path, nan: not stated; nose: mm along the
     plane's axes from the centre of a lathe tool's nose to the point that is driven; offset: the D
     number in force, -1: none; shifted: follows the centre where it is known (never changed in
-    place); fault: what the control has refused already."""
+    place); fault: what the control has refused already. Where D names an edge of a tool: tool, that
+    tool; by_m6: whether M6 has brought one, so that T alone names the next; waits: the edge of that
+    next one."""
 
     on: bool = False
     side: int = 1
@@ -130,6 +132,9 @@ class Beside:
     offset: int = NONE
     shifted: Shifted | None = None
     fault: str = ""
+    tool: int = NONE
+    by_m6: bool = False
+    waits: int = NONE
 
 
 @columns

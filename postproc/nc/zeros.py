@@ -164,10 +164,11 @@ def second_home(b: Batch) -> dict[str, float] | None:
 
 
 def stated_tool(b: Batch, letter: str, number: int) -> dict[str, float] | None:
-    """mm by axis: the length that H, D or T names; a tool table knows tools by T."""
+    """mm by axis: the length that H, D or T names; a tool table knows tools by T, and the edges of
+    the one in use by D."""
     for name in (
         f"{letter}{number}",
-        f"T{b.state.next_tool}D{number}" if letter == "D" else f"T{number}",
+        f"T{b.beside.tool}D{number}" if letter == "D" else f"T{number}",
     ):
         place = stated(b, name)
         if place is not None:

@@ -56,8 +56,9 @@ class Milling(Cycle):
 
     def radius(self, tracker: Tracker) -> float:
         """Of the tool, program's unit. Raises Refusal."""
-        d = max(tracker.state.beside.offset, 1)  # a tool change names D1
-        names = (f"D{d}", f"T{tracker.state.next_tool}D{d}")
+        held = tracker.state.beside
+        d = abs(held.offset)  # D1 where no D and no T was named
+        names = (f"D{d}", f"T{held.tool}D{d}")
         radius = next((r for n in names if (r := tracker.offset(n, "R"))), None)
         if not radius:
             raise Refusal(
