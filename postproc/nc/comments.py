@@ -29,6 +29,8 @@ WITHIN = re.compile(
     rb"([ \t\r]*(?:[A-Z][^][#;/\n]*)?)(?![^;\n])"
 )
 AFTER_SEMICOLON = re.compile(rb";[^\n]*")
+STRINGS = re.compile(rb'"[^"\n]*"')
+BESIDE_STRINGS = re.compile(rb'("[^"\n]*")|;[^\n]*')  # MSG("a;b") holds no comment
 
 
 @cache
@@ -46,7 +48,18 @@ def _blanked(text: bytes, grammar: Grammar) -> bytes:
         return text
     if grammar.parentheses:
         return COMMENTS[semicolon if b";" in text else "end of block"].sub(_blank, text)
-    return AFTER_SEMICOLON.sub(_blank, text) if semicolon == "comment" else text
+    if semicolon != "comment":
+        return text
+    if b'"' in text:
+        return BESIDE_STRINGS.sub(lambda found: found[1] or _blank(found), text)
+    return AFTER_SEMICOLON.sub(_blank, text)
+
+
+def code_alone(text: bytes, grammar: Grammar) -> bytes:
+    """The text, byte for byte as long, without its comments and what stands in strings: what a
+    search for words must not read."""
+    code = _blanked(text, grammar)
+    return STRINGS.sub(lambda found: b" " * len(found[0]), code) if b'"' in code else code
 
 
 def without_comments(text: bytes, grammar: Grammar, drop: bool) -> tuple[bytes, bool, int]:

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from postproc.errors import ProgramError
+from postproc.nc import dialects
 from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.siemens import lines
 
@@ -23,7 +24,7 @@ class Follower:
 
     def __init__(self, axes=AXES, block_delete=False):
         self.setup = SimpleNamespace(axes=axes, block_delete=block_delete)
-        self.dialect = SimpleNamespace(carried=())
+        self.dialect = SimpleNamespace(carried=(), grammar=dialects.load("siemens").grammar)
         self.local, self.trans, self.place = {}, {}, {}
         self.rows = []
 

@@ -279,12 +279,12 @@ DIALECT = Dialect(
             ("CHF", "R"),
             ("CHR", "R"),
             ("ANG", "R"),
-            ("T1", "T"),  # T1=5: the tool of spindle 1, the main one
+            *((word + "1", word) for word in "TSM"),  # T1=5: the tool of spindle 1, the main one
             *((name, "") for name in _PARAMETERS.split()),
         ),
         ignores=(
             r"\bMSG[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n])*\)",
-            r"\b[SM][0-9]{1,2}[ \t]*=[ \t]*[0-9.]+",  # another spindle's
+            r"\b[SM](?!1[ \t]*=)[0-9]{1,2}[ \t]*=[ \t]*[0-9.]+",  # another spindle's
             (
                 rf"\b(?:{'|'.join(_LIMITS.split())})[ \t]*\[[ \t]*[A-Z][A-Z0-9]*[ \t]*\]"
                 r"[ \t]*=[ \t]*[0-9.]+"

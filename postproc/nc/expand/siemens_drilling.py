@@ -35,16 +35,18 @@ CHIP = 1.0  # mm, by which it goes back to break chips
 MOST_STROKES = 10_000
 WRITE_OUT = "let the CAM program write this hole out as G0 and G1"
 # A line whose axis words are a motion of its own; behind the others MCALL calls nothing.
-MOVES = re.compile(rb"(?<![A-Z_0-9])[XYZABCUVW][ \t]*(?:=|[-+.0-9])", re.IGNORECASE)
+MOVES = re.compile(
+    rb"(?<![A-Z_0-9])(?:[XYZABCUVW][ \t]*(?:=|[-+.0-9])|[AR]P[ \t]*=)", re.IGNORECASE
+)
 STILL = re.compile(
-    rb"(?<![A-Z_])(?:A?TRANS|A?ROT|A?SCALE|A?MIRROR|G0*(?:4|25|26|110|111|112|74|75))(?![A-Z0-9])",
+    rb"(?<![A-Z_])(?:A?TRANS|[AC]?ROTS?|A?SCALE|A?MIRROR|G0*(?:4|25|26|58|59|11[0-2]|7[45]))"
+    rb"(?![A-Z0-9])",
     re.IGNORECASE,
 )
 
 
-def moves(line: bytes) -> bool:
-    """Whether a plain line moves an axis by its own words."""
-    code = code_of(line)
+def moves(code: bytes) -> bool:
+    """Whether a plain line, without comments and strings, moves an axis by its own words."""
     return bool(MOVES.search(code)) and not STILL.search(code)
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Sequence
 
+from postproc.nc.comments import code_alone
 from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_boring import Boring
 from postproc.nc.expand.siemens_cycle import Cycle
@@ -31,7 +32,17 @@ FIGURES: dict[str, type[Cycle]] = {
 }
 CYCLES: dict[str, type[Cycle]] = {**HOLES, **FIGURES}
 NAMES = {*CYCLES, *THREADS, REMOVAL}  # the cycles that are written out
-SPINDLE = re.compile(rb"(?<![A-Z_0-9])M0*([34])(?![0-9])", re.IGNORECASE)
+# Words of the program that hold on behind a cycle: S1= and M1= are those of the main spindle, S2=
+# and M2= another one's. Beside G4 F and S are times, beside G25 and G26 S is a limit.
+FEED = re.compile(rb"(?<![A-Z_0-9])F[ \t]*=?[ \t]*([0-9]*\.?[0-9]+)", re.IGNORECASE)
+SPEED = re.compile(
+    rb"(?<![A-Z_0-9])S[ \t]*(?:0*1?[ \t]*=[ \t]*)?([0-9]*\.?[0-9]+)\.?(?![0-9.]|[ \t]*=)",
+    re.IGNORECASE,
+)
+SPINDLE = re.compile(
+    rb"(?<![A-Z_0-9])M[ \t]*(?:0*1?[ \t]*=[ \t]*)?0*([34])(?![0-9]|[ \t]*=)", re.IGNORECASE
+)
+BESIDE = re.compile(rb"(?<![A-Z_0-9])G[ \t]*0*(?:4|25|26)(?![0-9])", re.IGNORECASE)
 
 
 class Holes:
@@ -65,24 +76,30 @@ class Holes:
     def behind(self, frame: Frame, text: bytes, own: bool) -> Iterator[bytes]:
         """The plain lines behind a line that has left. own: it is one of the program. Raises
         Refusal."""
-        if own:
-            code = code_of(text)
-            letters = code.upper()
-            if b"F" in letters:
-                self.feed = feed_of(code) or self.feed
-            if b"S" in letters:
-                self.speed = speed_of(code) or self.speed
-            if b"M" in letters:
-                self.sense = next((7 - 2 * int(m[1]) for m in SPINDLE.finditer(code)), self.sense)
+        code = code_alone(text, self.tracker.dialect.grammar) if own else b""
+        if code.lstrip()[:1] == b"/" and self.tracker.setup.block_delete:
+            code = b""
+        if not BESIDE.search(code):
+            self._hear(code)
         hole, self.called = self.called, None
         if isinstance(hole, Pattern):
             yield from self._pattern(frame, hole)
             return
         # MCALL holds in the program that named it, not in subprograms that it calls
-        if self.modal and self.modal[0] is frame and own and moves(text):
+        if self.modal and self.modal[0] is frame and moves(code):
             hole = self.modal[1]
         if hole:
             yield from hole.lines(self.tracker, self.feed, self.speed)
+
+    def _hear(self, code: bytes) -> None:
+        """Keep F, S and the sense of the spindle."""
+        letters = code.upper()
+        if b"F" in letters:
+            self.feed = next((f[1] for f in FEED.finditer(code)), self.feed)
+        if b"S" in letters:
+            self.speed = next((s[1] for s in SPEED.finditer(code)), self.speed)
+        if b"M" in letters:
+            self.sense = next((7 - 2 * int(m[1]) for m in SPINDLE.finditer(code)), self.sense)
 
     def _pattern(self, frame: Frame, pattern: Pattern) -> Iterator[bytes]:
         """The places of a pattern, with a hole at each; the motion code is what it was."""

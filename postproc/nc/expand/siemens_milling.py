@@ -10,6 +10,7 @@ from postproc.nc.cycles.pocket_path import Piece, Point
 from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_cycle import Cycle, in_diameters
 from postproc.nc.expand.tracker import Tracker, number
+from postproc.nc.state import NONE
 
 MOST_DEPTHS = 1000
 NEAR = 1e-6
@@ -57,8 +58,10 @@ class Milling(Cycle):
     def radius(self, tracker: Tracker) -> float:
         """Of the tool, program's unit. Raises Refusal."""
         held = tracker.state.beside
-        d = abs(held.offset)  # D1 where no D and no T was named
+        d = 1 if held.offset == NONE else held.offset
         names = (f"D{d}", f"T{held.tool}D{d}")
+        if not d:
+            raise Refusal(f"{self.name} with D0, which has no radius", "write the tool's D before")
         radius = next((r for n in names if (r := tracker.offset(n, "R"))), None)
         if not radius:
             raise Refusal(
