@@ -41,8 +41,8 @@ def _respelled() -> Callable[[bytes, Grammar], bytes]:
     return respelled
 
 
-def _blanked(text: bytes, grammar: Grammar) -> bytes:
-    """The text with its comments blanked."""
+def uncommented(text: bytes, grammar: Grammar) -> bytes:
+    """The text, byte for byte as long, with its comments blanked."""
     semicolon = grammar.semicolon
     if b"(" not in text and not (semicolon == "comment" and b";" in text):
         return text
@@ -58,7 +58,7 @@ def _blanked(text: bytes, grammar: Grammar) -> bytes:
 def code_alone(text: bytes, grammar: Grammar) -> bytes:
     """The text, byte for byte as long, without its comments and what stands in strings: what a
     search for words must not read."""
-    code = _blanked(text, grammar)
+    code = uncommented(text, grammar)
     return STRINGS.sub(lambda found: b" " * len(found[0]), code) if b'"' in code else code
 
 
@@ -69,7 +69,7 @@ def without_comments(text: bytes, grammar: Grammar, drop: bool) -> tuple[bytes, 
     # Comments first, for a slash or an equals sign in one means nothing; then what is not executed,
     # for nothing in it need be readable; other spellings last. Every byte keeps its place: offsets
     # into `code` are offsets into the program.
-    code, within = _blanked(text, grammar), -1
+    code, within = uncommented(text, grammar), -1
     if drop and b"/" in code:
         code = SKIPPED[grammar.semicolon].sub(_only_slash, code)
     if grammar.slash_within and b"/" in code:

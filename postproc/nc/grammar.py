@@ -57,6 +57,7 @@ class Grammar:
 
 
 PLAIN = Grammar()
+KLARTEXT = Grammar(parentheses=False, klartext=True)
 # Letters, beyond those of a program, under which other spellings are handed on
 # (postproc.nc.spellings). None has the case bit 0x20, which is taken off.
 KEYWORD_LETTER = 0x80  # a code that is a word: TRANS

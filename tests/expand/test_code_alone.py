@@ -8,6 +8,7 @@ import pytest
 from postproc.errors import ProgramError
 from postproc.nc import dialects
 from postproc.nc.expand import Limits, Program
+from postproc.nc.expand.tracker import Tracker
 from postproc.nc.expand.written import Written
 from postproc.nc.interpreter import Interpreter
 from postproc.nc.state import Setup
@@ -123,3 +124,45 @@ def test_a_deleted_block_says_no_feed_and_calls_no_hole():
     )
     lines = b"".join(found).decode().splitlines()
     assert sum("F100" in line for line in lines) == 1 and "F20" not in lines[-4:]
+
+
+@pytest.mark.parametrize(
+    "name", ["TAP M2", "M30 TAP", "A;B", "Q5 X", "R=Q1", "1,5 X", "M30 ; Q1", "X+Q1"]
+)
+def test_a_tool_by_name_is_a_name(name):
+    """Klartext: what stands between quotation marks ends no program and is no Q parameter."""
+    lines = [f'TOOL CALL "{name}" Z S500', f'L Z+50 R0 FMAX ; "{name}" M30', "L X+1 F9"]
+    text = "|".join(["BEGIN PGM A MM", *lines, "END PGM A MM"])
+    assert written(text, "heidenhain")[1:-1] == lines
+
+
+def test_a_comment_behind_a_name_keeps_its_text():
+    text = 'BEGIN PGM A MM|Q5=+7|TOOL CALL "A;Q5" Z S+Q5 ; Q5 "x|L X+1,5 F9|END PGM A MM'
+    assert written(text, "heidenhain")[2:4] == ['TOOL CALL "A;Q5" Z S+7 ; Q5 "x', "L X+1.5 F9"]
+
+
+@pytest.mark.parametrize("remark", ["(cool) ", "(a) (b; c) ", "(M9) (S900)"])
+def test_words_behind_a_comment_come_back(remark):
+    """M72 brings speed and coolant back, wherever a comment stands."""
+    found = [
+        written(f"S800 M3|F9|M70|G1 X1|{word}|M72|G1 X2|M2", "linuxcnc")
+        for word in (f"{remark}M8", "M8", f"{remark}S900 M4", "S900 M4")
+    ]
+    behind = [lines[lines.index("G1 X1") + 2 :] for lines in found]
+    assert behind[0] == behind[1] != behind[2] == behind[3]
+
+
+def test_a_comment_touches_nothing():
+    assert written("M70|(costs $5) M8|M72|M2", "linuxcnc")[-2:] == ["M9", "M2"]
+
+
+@pytest.mark.parametrize(
+    ("modes", "factor"),
+    [("DIAMON G90", 2), ("DIAMON G91", 2), ("DIAM90 G90", 2), ("DIAM90 G91", 1), ("DIAMOF", 1)],
+)
+def test_diam90_means_diameters_of_places_alone(modes, factor):
+    """Sinumerik 808D, turning (6FC5398-5DP10-0BA0), page 26."""
+    tracker = Tracker(Interpreter(dialects.load("siemens"), Setup(("X", "Z"), start={"X": 7.0})))
+    tracker.take(modes.encode())
+    assert tracker.is_diameter("X") == (factor == 2)
+    assert tracker.work("X") == 7.0 * (2 if "DIAMOF" not in modes else 1)

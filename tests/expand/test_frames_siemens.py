@@ -154,9 +154,10 @@ def test_a_block_behind_such_a_feed_wants_the_one_before():
 
 
 @pytest.mark.parametrize(("frame", "z"), [("SCALE Z2", "Z6."), ("MIRROR Z0", "Z-3.")])
-def test_diameters_stay_where_the_frame_leaves_x_alone(frame, z):
-    """DIAMON: a frame along Z changes no X word; one that changes X is refused."""
-    lines = text_of(f"G18 DIAMON|G0 X10 Z5|{frame}|G1 X20 Z3 F1|X30", "siemens")
+@pytest.mark.parametrize("diameters", ["DIAMON", "DIAM90"])
+def test_diameters_stay_where_the_frame_leaves_x_alone(frame, z, diameters):
+    """DIAMON, and DIAM90 in G90: a frame along Z changes no X word; one of X is refused."""
+    lines = text_of(f"G18 {diameters}|G0 X10 Z5|{frame}|G1 X20 Z3 F1|X30", "siemens")
     assert lines[-2:] == [f"G1 X20 {z} F1", "X30"]
     with pytest.raises(ProgramError, match="X is a diameter within the programmed frame"):
-        text_of("G18 DIAMON|G0 X10 Z5|SCALE X2|G1 X20 Z3 F1", "siemens")
+        text_of(f"G18 {diameters}|G0 X10 Z5|SCALE X2|G1 X20 Z3 F1", "siemens")

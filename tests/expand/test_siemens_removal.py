@@ -171,3 +171,10 @@ def test_a_side_that_is_on_stays_on():
     """G42 before a finishing that selects it: the same cut, and it holds on behind."""
     lines = turned('G42|CYCLE95("AA:BB",,,,,,,0.1,5,,,1)')
     assert lines[3:-1] == ["G0 X20. Z0.", "G1 Z-10. F0.1", "G1 X30.", "G1 Z-20.", "G0 X32. Z1."]
+
+
+@pytest.mark.parametrize("kind", [1, 5, 9])
+def test_diam90_means_diameters_in_g90(kind):
+    """As DIAMON where all is absolute, whatever the machine's words are by themselves."""
+    call = f'CYCLE95("AA:BB",2.6,0.1,0.2,,0.25,,0.1,{kind},,,1)'
+    assert turned(call, head="G18 G90 DIAM90 F0.3") == turned(call)

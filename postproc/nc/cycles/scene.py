@@ -115,9 +115,8 @@ class Scene:
         return next((u for u, x in self.dialect.increments.items() if x == axis), "")
 
     def is_diameter(self, axis: str) -> bool:
-        """Whether words of this axis are diameters: by G7, G8, else by the machine."""
-        mode = self.code("diameter") if axis == "X" else -1
-        return mode == 70 if mode in (70, 80) else axis in self.tracker.setup.diameter
+        """Whether words of this axis that are places are diameters."""
+        return self.tracker.is_diameter(axis, distance=False)
 
     @property
     def diameter_in_g90(self) -> bool:

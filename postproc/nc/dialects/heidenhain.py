@@ -12,7 +12,7 @@ with its length.
 from postproc.nc import klartext
 from postproc.nc.dialects import Dialect
 from postproc.nc.dialects.heidenhain_iso import DIALECT as ISO
-from postproc.nc.grammar import Grammar
+from postproc.nc.grammar import KLARTEXT
 from postproc.nc.rows import CUTTER, DISTANCE, LOCAL, MACHINE_FRAME, MOTION, PLANE, UNITS, rows
 
 _ISO_ARC = "an arc is written C, CR or CP here: is it DIN/ISO? --dialect heidenhain-iso"
@@ -42,7 +42,7 @@ DIALECT = Dialect(
     ),
     m_codes=ISO.m_codes,
     m_refuses={**_REFUSED, 99: klartext.EXPAND_PATH},
-    grammar=Grammar(parentheses=False, klartext=True),
+    grammar=KLARTEXT,
     language="klartext",
     extended_name="G247 P",
     plane_frame="zero",

@@ -14,9 +14,11 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from postproc.nc.comments import code_alone, uncommented
 from postproc.nc.expand import Limits, Line, Program, Refusal
 from postproc.nc.expand.klartext_formulas import Formula, FormulaError, Unset
 from postproc.nc.expand.tracker import Tracker, number
+from postproc.nc.grammar import KLARTEXT
 from postproc.nc.klartext import HEAD, pointed
 
 LABEL = re.compile(rb"LBL[ \t]+(?:([0-9]+)|\"([^\"]+)\")")
@@ -28,7 +30,7 @@ JUMP = re.compile(
 )
 ASSIGN = re.compile(rb"(?:FN[ \t]*([0-9]+)[ \t]*:[ \t]*)?Q([LR]?[0-9]+)[ \t]*=[ \t]*(.+)")
 READ = re.compile(rb"FN[ \t]*(?:1[89]|2[0-9]|3[0-9])[ \t]*:[^Q\r\n]*Q([LR]?[0-9]+)")
-USED = re.compile(rb"(?<=[A-Z =])([+-]?)[ \t]*Q([LR]?[0-9]+)(?![0-9]*[ \t]*=)")
+USED = re.compile(rb'"[^"\n]*"|(?<=[A-Z =])([+-]?)[ \t]*Q([LR]?[0-9]+)(?![0-9]*[ \t]*=)')
 PLAIN = re.compile(rb"(?:L|APPR|DEP|C|CC|CR|CP|LP|LN|TOOL|CYCL|TRANS|PLANE|M)(?![A-Z])")
 STRAIGHT = re.compile(rb"L(?![A-Z])")
 CORNER = re.compile(rb"(?:RND|CHF)(?![A-Z])")
@@ -116,7 +118,8 @@ class _Run:
         if part.cycle or PLAIN.match(code):
             filled = self._filled(text if part.cycle else _bare(text))
             part.cycle = _goes_on(text) and (part.cycle or code.startswith(b"CYCL"))
-            self.ended = ENDS.search(code) is not None and not code.startswith((b"Q", b"CYCL"))
+            ends = ENDS.search(code_alone(code, KLARTEXT))
+            self.ended = ends is not None and not code.startswith((b"Q", b"CYCL"))
             yield from self._corner(part)
             yield Line(filled, part.here + 1, part.name)
         elif label := LABEL.match(code):
@@ -239,9 +242,11 @@ class _Run:
 
     def _filled(self, bare: bytes) -> bytes:
         """The statement with a number for each Q; a cycle's datum sets its Q too."""
-        body, semicolon, comment = bare.partition(b";")
+        body, comment = _apart(bare)
 
         def put(match: re.Match[bytes]) -> bytes:
+            if match[2] is None:  # a name
+                return match[0]
             name = match[2].decode()
             if name not in self.q:
                 raise Refusal(f"Q{name} has no value in this program yet", GIVE)
@@ -253,20 +258,26 @@ class _Run:
         datum = ASSIGN.match(_code(body))
         if datum and NUMBERS.fullmatch(datum[3]):
             self.q[datum[2].decode()] = float(datum[3])
-        return body + semicolon + comment
+        return body + comment
+
+
+def _apart(text: bytes) -> tuple[bytes, bytes]:
+    """A line up to its comment, and that."""
+    end = len(uncommented(text, KLARTEXT).rstrip(b" "))
+    return text[:end], text[end:]
 
 
 def _code(text: bytes) -> bytes:
     """A statement without its number, its slash and its comment, in capitals."""
     head = HEAD.match(text)
     assert head is not None
-    return text[head.end() :].partition(b";")[0].rstrip(b" \t\r~").upper()
+    return _apart(text)[0][head.end() :].rstrip(b" \t\r~").upper()
 
 
 def _pointed(text: bytes) -> bytes:
     """A line with points for decimal commas; names and comments keep theirs."""
-    code, semicolon, comment = text.partition(b";")
-    return text if b'"' in code else pointed(code) + semicolon + comment
+    code, comment = _apart(text)
+    return text if b'"' in code else pointed(code) + comment
 
 
 def _bare(text: bytes) -> bytes:

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from postproc.nc.codes import RESTORED
+from postproc.nc.comments import code_alone
 from postproc.nc.expand import Refusal
 from postproc.nc.expand.tracker import Tracker, number
 from postproc.nc.state import ModalState
@@ -73,7 +74,7 @@ class States:
 
     def watch(self, text: bytes) -> None:
         """A line that is executed."""
-        text = text.split(b"(")[0].split(b";")[0]
+        text = code_alone(text, self.tracker.dialect.grammar)
         for found in TOUCHES.finditer(text):
             number = (found["m"] or b"").replace(b" ", b"").replace(b"\t", b"")
             if (

@@ -185,7 +185,5 @@ class Boring(Drilling):
 
     @staticmethod
     def _text(tracker: Tracker, letter: str, value: float) -> bytes:
-        # A distance is a radius under DIAM90.
-        half = tracker.code("diameter") == DIAM90
-        value *= 2 if tracker.is_diameter(letter) and not half else 1
+        value *= 2 if tracker.is_diameter(letter, distance=True) else 1
         return number(value, tracker.decimals(letter)).encode()

@@ -47,7 +47,7 @@ class Pattern(Cycle):
         plane = tracker.code("plane")
         self._check(plane)
         axes = AXES[plane]
-        if in_diameters(tracker, axes):
+        if any(tracker.is_diameter(axis, distance=False) for axis in axes):
             raise Refusal(f"{self.name} in diameters", "write DIAMOF before it")
         relative = tracker.code("distance") == 910
         words = []

@@ -11,10 +11,11 @@ from collections.abc import Callable
 
 from postproc.errors import BlockFault
 from postproc.motions import Motions
+from postproc.nc.batch import DIAM90
 from postproc.nc.expand import Line
 from postproc.nc.interpreter import Interpreter
 from postproc.nc.lexer import Words, lex
-from postproc.nc.state import ModalState
+from postproc.nc.state import NONE, ModalState
 from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
 
 NOTHING_AHEAD: tuple[bytes | None, ModalState | None, Words | None] = (None, None, None)
@@ -137,12 +138,13 @@ class Tracker:
     def inch(self) -> bool:
         return self.code("units") == 200
 
-    def is_diameter(self, axis: str) -> bool:
-        """Whether words of this axis are diameters now."""
-        mode = self.code("diameter")
-        if axis == "X" and mode in (70, 80):
-            return mode == 70
-        return axis in self.setup.diameter
+    def is_diameter(self, axis: str, distance: bool | None = None) -> bool:
+        """Whether words of this axis are diameters now; distance: those that are one, by G91 unless
+        given (DIAM90)."""
+        mode = self.code("diameter") if axis == "X" else NONE
+        if mode == DIAM90:
+            return not (self.code("distance") == 910 if distance is None else distance)
+        return mode == 70 if mode in (70, 80) else axis in self.setup.diameter
 
     def work(self, axis: str) -> float | None:
         """The programmed coordinate (program's unit, diameter where such) at which the axis stands,
@@ -152,7 +154,7 @@ class Tracker:
             return None
         # ticks of one of the program's own units: half as many where its words are diameters
         unit = (TICKS_PER_INCH if self.inch and axis in "XYZUVW" else TICKS_PER_MM) / (
-            2 if self.is_diameter(axis) else 1
+            2 if self.is_diameter(axis, distance=False) else 1
         )
         return float((state.position[row] - state.origin[row]) / unit)
 
