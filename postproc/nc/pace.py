@@ -141,8 +141,13 @@ def spindle(words: Words, dialect: Dialect, before: Spoken) -> tuple[Spindle, Sp
     mode, surface = hold_last(mode, before.mode), hold_last(surface, before.surface)
     speed = np.full(n, np.nan)
     turns = np.flatnonzero(words.letter == ord("S"))
-    # beside G4 S is a time, or a number of turns
-    turns = turns[~np.isin(words.block[turns], words.block[place[number == DWELL]])]
+    # where S may be a dwell's time or its turns; the least speed beside G25 of Sinumerik
+    beside = [
+        DWELL if "S" in dialect.dwell else -1,
+        250 if first_word(dialect) == "siemens" else -1,
+    ]
+    others = (number >= 0) & np.isin(number, beside)
+    turns = turns[~np.isin(words.block[turns], words.block[place[others]])]
     cap = np.full(n, np.nan)
     limits = _limits(words, dialect, number, place, turns)
     cap[words.block[limits]] = words.mantissa[limits] / 10.0 ** words.decimals[limits]

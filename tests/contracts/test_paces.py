@@ -131,6 +131,34 @@ def test_dwells_by_hand(name, text, seconds):
     assert np.isnan(found) if seconds is None else found == pytest.approx(seconds, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "rpm"),
+    [
+        ("linuxcnc", "S2000 M3 G4 P1", 2000.0),
+        ("haas", "M3 S900|G4 P1. S800", 800.0),
+        ("fanuc-lathe-a", "M3 S900|G4 U1. S800", 800.0),
+        ("fanuc-lathe-a", "M3 S900|G50 S2000", 900.0),
+        ("okuma", "M3 S900|G4 F1 S800", 800.0),
+        ("heidenhain-iso", "M3 S900*|G04 F1*", 900.0),
+        ("siemens", "S1500 M3|G4 S3", 1500.0),
+        ("siemens", "S1500 M3|G4 F3", 1500.0),
+        ("siemens", "S1=1500 M1=3", 1500.0),
+        ("siemens", "S1=1500 M1=3|S2=800 M2=5", 1500.0),
+        ("siemens", "S1=1500 M1=3|M1=5", 0.0),
+        ("siemens", "S1500 M3|G25 S30", 1500.0),
+        ("siemens", "S1500 M3|G26 S3000", 1500.0),
+        ("siemens", 'S1500 M3|MSG("S2; S3")', 1500.0),
+    ],
+)
+def test_the_spindle_turns_as_the_program_says(name, text, rpm):
+    """By hand: S beside a dwell is a time where the control's dwells may name it; S1= is the main
+    spindle's; G25 and G26 are limits."""
+    dialect = dialects.load(name)
+    words = lex(text.replace("|", "\n").encode() + b"\n", dialect.grammar)
+    assert words.fault is None
+    assert pace.spindle(words, dialect, pace.Spoken())[0].rpm[-1] == rpm
+
+
 def test_okuma_counts_time_as_it_counts_lengths():
     """OSP-P200L 2-3, UNIT: 1 s where X1 is 1 mm; 0.01 s or 0.1 s where it is a least increment."""
     okuma = replace(dialects.load("okuma"), integers="least increments")
