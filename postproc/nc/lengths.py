@@ -242,7 +242,7 @@ def edge_of(b: Batch) -> int | None:
         if tool is None and held.waits != NONE:
             tool, d = b.state.next_tool, held.waits if d is None else d
     elif tool is not None and held.by_m6:
-        b.beside = replace(held, waits=int(d))
+        b.beside = replace(held, waits=int(d or 0))
         return None
     if tool is not None:
         held = replace(held, tool=int(tool), waits=NONE)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from postproc.errors import ProgramError
 from tests.expand.fanuc_lines import MILL, plain, refused, run, value
 
 
@@ -47,6 +48,8 @@ from tests.expand.fanuc_lines import MILL, plain, refused, run, value
             "FIX[-1.2]": -1,
             "FUP[1.2]": 2,
             "FUP[-1.2]": -2,  # B-64304EN: FIX and FUP
+            "FIX[0.002*1000]": 2,
+            "FIX[0.3/0.1+0.0001]": 3,
             "27 MOD 20": 7,  # Haas 96-8000, "Arithmetic operators"
             "-27 MOD 20": -7,
             "7.6 MOD 3": 2,  # B-64484EN: rounded first; the sign of the dividend
@@ -70,6 +73,13 @@ from tests.expand.fanuc_lines import MILL, plain, refused, run, value
 )
 def test_expressions(text, expected):
     assert value(text) == pytest.approx(expected, abs=5e-4)
+
+
+@pytest.mark.parametrize("text", ["FIX[0.3/0.1]", "FUP[2.3*100]", "FIX[-0.3/0.1]"])
+def test_what_rounding_decides_is_not_cut(text):
+    """B-63944EN, 16, "Limitation", FIX function: it "may not" be the whole number."""
+    with pytest.raises(ProgramError, match="is one but for rounding"):
+        value(text)
 
 
 def test_round_in_words_and_numbers_of_variables():

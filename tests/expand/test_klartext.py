@@ -155,15 +155,27 @@ def test_parameters_become_numbers_and_stay_set():
         ("+Q1 + -5", -3.0), ("+4 DIV +Q1", 2.0), ("3 * -2 ^ 2", 12.0), ("SQRT 16 + 1", 5.0),
         ("+3 LEN +4", 5.0), ("SIN 30", 0.5), ("COS(60) * (1 + 1)", 1.0), ("ATAN 1", 45.0),
         ("INT -2.7", -2.0), ("FRAC 2.75", 0.75), ("NEG ABS -3", -3.0), ("PI - PI", 0.0),
+        ("-2^2", 4.0), ("2 ^ 3 ^ 2", 512.0), ("SQ 2 ^ 3", 64.0), ("2 ^ -1", 0.5), ("-(2^2)", -4.0),
+        ("INT (SIN 30 * 2 + 0.0001)", 1.0), ("INT (0.1 * 30)", 3.0), ("INT -7", -7.0),
     ],
 )  # fmt: skip
 def test_formulas(formula, value):
     assert Formula(formula, {"1": 2.0}).value() == pytest.approx(value, abs=1e-12)
 
 
-@pytest.mark.parametrize("formula", ["1 +", "SQRT -1", "1 / 0", "Q9", "(1", "FOO 1", "(" * 99])
+@pytest.mark.parametrize(
+    "formula", ["1 +", "SQRT -1", "1 / 0", "Q9", "(1", "FOO 1", "(" * 99, "-2 ^ 0.5"]
+)
 def test_what_is_no_formula_is_said(formula):
     with pytest.raises(FormulaError):
+        Formula(formula, {}).value()
+
+
+@pytest.mark.parametrize("formula", ["INT (SIN 30 * 2)", "FRAC (2.3 * 100)", "INT (0.3 / 0.1)"])
+def test_what_rounding_decides_is_not_cut(formula):
+    """TNC 640, "Programming notes": numbers are binary and have round-off errors, to be kept in
+    mind; a whole number more or less is another path."""
+    with pytest.raises(FormulaError, match="is one but for rounding"):
         Formula(formula, {}).value()
 
 

@@ -148,6 +148,8 @@ def test_a_condition_by_hand(text, holds):
         "ATAN2[1,2]",  # which number is first is not said
         "DROUND[1.5]",
         "FIX[-1.5]",
+        "FIX[SIN[30]*2]",  # whole but for rounding
+        "FUP[2.3*100]",
         "V2",
         "VZOFZ[1]",
         "1/0",

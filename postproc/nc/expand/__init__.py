@@ -89,6 +89,22 @@ class Refusal(Exception):
         return fault(name, source, text, self.message, self.advice, self.start, self.stop)
 
 
+# of a number: how near to a whole one rounding alone may have kept it (Fanuc's manuals name errors
+# of arithmetic up to 1e-9)
+ROUNDED = 1e-9
+
+
+def cut(value: float) -> float:
+    """A number, to be cut to a whole one. Raises Refusal where it is one but for rounding: controls
+    say themselves that a whole number more or less may come of it."""
+    if 0 < abs(value - round(value)) <= ROUNDED * max(1.0, abs(value)):
+        raise Refusal(
+            f"{value!r} is cut to a whole number, and is one but for rounding",
+            "which one the control has is not certain: add a little before, such as 0.0001",
+        )
+    return value
+
+
 def fault(
     name: str, source: int, text: bytes, message: str, advice: str, start: int = 0, stop: int = 0
 ) -> ProgramError:

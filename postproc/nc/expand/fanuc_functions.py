@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from postproc.nc.expand import Refusal
+from postproc.nc.expand import Refusal, cut
 
 Value = float | None
 ALARM = "the control stops here as well: look what the variables hold"
@@ -126,11 +126,11 @@ FUNCTIONS: dict[str, Callable[..., float]] = {
     "SQRT": math.sqrt,
     "ABS": abs,
     "ROUND": nearest,
-    "FIX": lambda x: float(math.trunc(x)),
+    "FIX": lambda x: float(math.trunc(cut(x))),
     "LN": math.log,
     "EXP": math.exp,
     "BIN": _bin,
-    "FUP": lambda x: math.copysign(math.ceil(abs(x)), x),
+    "FUP": lambda x: math.copysign(math.ceil(abs(cut(x))), x),
     "BCD": _bcd,
     "POW": math.pow,
     "ATAN2": lambda y, x: turn(y, x, 0),

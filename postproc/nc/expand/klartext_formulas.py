@@ -13,6 +13,8 @@ import re
 from collections.abc import Callable
 from typing import ClassVar, TypeVar
 
+from postproc.nc.expand import Refusal, cut
+
 TOKEN = re.compile(r"\s*(?:([0-9]*\.?[0-9]+)|Q([LR]?[0-9]+)|([A-Z]+)|(.))")
 DEEPEST = 50
 Worked = TypeVar("Worked")  # a number, or whether a condition holds
@@ -21,7 +23,7 @@ Worked = TypeVar("Worked")  # a number, or whether a condition holds
 class FormulaError(Exception):
     """What can not be calculated."""
 
-    advice: ClassVar[str] = "write the number itself in its place"
+    advice = "write the number itself in its place"
 
 
 class Unset(FormulaError):
@@ -38,8 +40,8 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
     "SQ": lambda v: v * v,
     "SQRT": math.sqrt,
     "ABS": abs,
-    "INT": lambda v: float(math.trunc(v)),
-    "FRAC": lambda v: v - math.trunc(v),
+    "INT": lambda v: float(math.trunc(cut(v))),
+    "FRAC": lambda v: v - math.trunc(cut(v)),
     "NEG": lambda v: -v,
     "SGN": lambda v: math.copysign(1.0, v) if v else 0.0,
     "LN": math.log,
@@ -85,6 +87,10 @@ class Formula:
         """What a part of it gives. Raises FormulaError where that is no number."""
         try:
             return of()
+        except Refusal as wrong:
+            error = FormulaError(wrong.message)
+            error.advice = wrong.advice
+            raise error from None
         except (ArithmeticError, ValueError):
             raise FormulaError(f"{self.text[:40]!r} has no value") from None
 
@@ -109,11 +115,10 @@ class Formula:
         return left
 
     def _power(self) -> float:
-        # one power, and a sign belongs to what stands behind it: -2^2 is 4 here
+        # a sign and a function belong to what stands behind them, powers are taken from right to
+        # left: -2^2 is 4, SQ 2^3 is 64, 2^3^2 is 512 (TNC7 81762x, "Rules for formulas")
         left = self._factor()
-        if self._next("^"):
-            return float(left ** self._factor())
-        return left
+        return math.pow(left, self._power()) if self._next("^") else left
 
     def _factor(self) -> float:
         self.deep += 1

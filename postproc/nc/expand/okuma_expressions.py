@@ -14,6 +14,7 @@ import re
 from collections.abc import Callable
 from typing import ClassVar
 
+from postproc.nc.expand import cut
 from postproc.nc.expand.klartext_formulas import DEEPEST, Formula, FormulaError, Unset
 
 # V1 and VC1 are common variables, two letters or more a local one, V and letters the control's own
@@ -57,8 +58,8 @@ class Expression(Formula):
     functions: ClassVar[dict[str, Callable[[float], float]]] = {
         **{name: Formula.functions[name] for name in ("SIN", "COS", "TAN", "ATAN", "SQRT", "ABS")},
         "ROUND": _whole(lambda v: math.floor(v + 0.5)),
-        "FIX": _whole(math.floor),
-        "FUP": _whole(math.ceil),
+        "FIX": _whole(lambda v: math.floor(cut(v))),
+        "FUP": _whole(lambda v: math.ceil(cut(v))),
     }
 
     def first(self) -> tuple[float, int]:
