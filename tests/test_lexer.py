@@ -369,3 +369,21 @@ def test_pygcode_reads_the_same_words(code, axes, feed, comment):
     mine, fault = fast(text.encode(), "comment")
     assert fault is None
     assert [(letter, float(value)) for _, letter, value, *_ in mine] == theirs
+
+
+@pytest.mark.parametrize(
+    ("dialect", "text", "letters"),
+    [
+        ("siemens", 'MSG("a;b") F9', b"F"),
+        ("siemens", 'T="A;B" M6 ; "x;', b"TM"),
+        ("siemens", 'F9 ; MSG("a") S5', b"F"),
+        ("siemens", 'MSG("a") ; "b" S5', b""),
+        ("siemens", "S1=1500 M1=3 S2=9 M2=4", b"SM"),
+        ("heidenhain", 'TOOL CALL "A;B" Z S5', b"TS"),
+        ("heidenhain", 'TOOL CALL "A" Z ; "S5', b"T"),
+        ("fagor", "G1 F9 ; X5", b"GF"),
+    ],
+)
+def test_a_semicolon_in_a_string_begins_no_comment(dialect, text, letters):
+    words = lex(text.encode() + b"\n", dialects.load(dialect).grammar)
+    assert (words.letter.tobytes(), words.fault) == (letters, None)

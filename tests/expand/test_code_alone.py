@@ -166,3 +166,26 @@ def test_diam90_means_diameters_of_places_alone(modes, factor):
     tracker.take(modes.encode())
     assert tracker.is_diameter("X") == (factor == 2)
     assert tracker.work("X") == 7.0 * (2 if "DIAMOF" not in modes else 1)
+
+
+TEXTS = [
+    "X10 RND=5",
+    "CIP I1=3 X5",
+    "POLY PO[X]=(1,2)",
+    "TRANS X10",
+    "ROT RPL=90",
+    "BSPLINE",
+    "M30",
+]
+
+
+@pytest.mark.parametrize(
+    "text", [*TEXTS, "AP=10 RP=5", "CYCLE81(1,2,3,4)", "GOTOF A", "G91", "R1=5"]
+)
+@pytest.mark.parametrize("form", ['MSG("{}")', "; {}", 'MSG("A;B {}") ; {}'])
+def test_a_remark_changes_nothing(text, form):
+    """Every other line is written as without it."""
+    body = f"{START}|G1 X1 F100|{{}}|X2 Y1|G2 X5 Y4 CR=2|G1 X6 RND=1|Y9|M30"
+    line = form.replace("{}", text)
+    found = written(body.replace("{}", line))
+    assert [t for t in found if t != line] == written(body.replace("|{}", ""))

@@ -21,6 +21,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from postproc.nc.codes import code_number
+from postproc.nc.comments import code_alone
 from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.corners_siemens import Corners
@@ -67,7 +68,8 @@ class Polynomials(Before):
         code, semicolon, remark = line.text.partition(b";")
         self.rigid = False
         # All other lines go through the corners, which hold some back until the next one is known.
-        if not self.on and not WORD.search(code) and not PO.search(code):
+        alone = code_alone(line.text, self.scene.dialect.grammar)
+        if not self.on and not WORD.search(alone) and not PO.search(alone):
             self.rigid = True
             return self.corners.take(line)
         scene = self.scene

@@ -24,6 +24,7 @@ import numpy as np
 from postproc.errors import BlockFault
 from postproc.motions import SPLINE, Motions
 from postproc.nc.codes import code_number
+from postproc.nc.comments import code_alone
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.curve import Curve
 from postproc.nc.cycles.moves import Moves, own_words
@@ -80,7 +81,8 @@ class KnownKnots:
 
     def _begins(self, line: Line) -> bool:
         """Whether the control reads BSPLINE there."""
-        return not self.scene.passes(line.text) and bool(BEGINS.search(line.text.split(b";")[0]))
+        code = code_alone(line.text, self.scene.dialect.grammar)
+        return not self.scene.passes(line.text) and BEGINS.search(code) is not None
 
     def finish(self) -> list[Line]:
         """What is still held where the program ends."""
