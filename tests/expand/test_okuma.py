@@ -48,6 +48,9 @@ def written(text: str, dialect: str = "okuma-lathe", library=None, setup=SETUP) 
             "MODIN O2|G0 X5|M8|Z3|MODOUT|X9|M2|O2|G91 G1 X1|X-1 G90|RTS",
             "G0 X5|G91 G1 X1|X-1 G90|M8|Z3|G91 G1 X1|X-1 G90|X9|M2",
         ),
+        # a block that goes on behind $ is one motion; setting a zero is none
+        ("MODIN O2|G0 X5|$ Z3|G92 X1|M2|O2|M8|RTS", "G0 X5 Z3|M8|G92 X1|M2"),
+        ("MODIN O2|G1 F9|$ Z3|$X1|G92|$X1|M2|O2|M8|RTS", "G1 F9 Z3 X1|M8|G92 X1|M2"),
         # words, comments, and what has a plain number behind =
         ("V3=5|X=-V3 Z = V3*2 SB=1200 F=.1(X=V9)|M2", "X-5 Z10 SB=1200 F.1(X=V9)|M2"),
         ("V3=1|T=100+V3|M2", "T0101|M2"),

@@ -41,6 +41,8 @@ OWN = re.compile(rb"V[A-Z]+[0-9]*(?<!VC)[ \t]*(?:\[|=)(?<!VC=)")
 WORD = re.compile(rf"(?<![A-Z0-9])(?:([A-Z])|({TWO}))[ \t]*=[ \t]*")
 PLAIN = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?=[ \t]*(?:[A-Z]|\Z))")
 AXIS = re.compile(r"(?<![A-Z])[XYZABC][ \t]*=?[ \t]*[-+.0-9]")
+# codes whose axis words move nothing: G10 G11, scaling, the setting of a zero
+STILL = re.compile(rb"(?<![A-Z])G[ \t]*0*(?:4|10|11|5[01]|92)(?![0-9])")
 ENDS = re.compile(rb"(?<![A-Z])M[ \t]*0*(?:2|30)(?![0-9])")
 SHAPE = re.compile(rb"(?<![A-Z])G[ \t]*8[5-7][ \t]*(N[A-Z0-9]+)")  # called by its name
 SHAPE_ENDS = re.compile(rb"(?<![A-Z])G[ \t]*80(?![0-9])")
@@ -99,6 +101,7 @@ class _Run:
         # of MODIN the subprogram, how often, and where it stands
         self.behind: tuple[str, int, _Part, int] | None = None
         self.within = False  # a subprogram that MODIN runs
+        self.block = b""  # the lines of a block under MODIN that goes on
         self.said: dict[tuple[str, int], bytes] = {}  # blocks whose numbers were worked out
 
     def main(self) -> Iterator[Line]:
@@ -138,7 +141,7 @@ class _Run:
                         self._as_passed(part, called[1].decode())
                     yield self._filled(part, here)
                     self.ended = bool(ENDS.search(code)) and not depth
-                    if self.behind and not self.within and AXIS.search(code.decode("latin-1")):
+                    if self.behind and not self.within and self._moves(part, code):
                         yield from self._behind(depth)
             except Refusal as e:
                 raise self._error(part, here, e) from None
@@ -213,6 +216,14 @@ class _Run:
             # common variables keep what the call has given them
             if not own.startswith("V"):
                 self.values.pop(own, None)
+
+    def _moves(self, part: _Part, code: bytes) -> bool:
+        """Whether a block that ends with this line moves an axis; $ goes on with one."""
+        self.block += b" " + code
+        if part.at < part.last and GOES_ON.match(part.texts[part.at]):
+            return False
+        block, self.block = self.block, b""
+        return AXIS.search(block.decode("latin-1")) is not None and not STILL.search(block)
 
     def _behind(self, depth: int) -> Iterator[Line]:
         """What MODIN runs behind a motion."""
