@@ -109,9 +109,10 @@ def test_a_line_that_moves_nothing_calls_no_hole(line):
     assert sum("Z-6" in text for text in lines) == 1
 
 
-def test_a_polar_motion_calls_the_hole():
-    """MCALL: behind every block with a motion ("Modal subroutine call"), its end by a pole too."""
-    lines = written(f"{START}|F9|G111 X0 Y0|MCALL CYCLE81(10,0,2,-6)|G0 AP=90 RP=20|MCALL|M30")
+@pytest.mark.parametrize("motion", ["G0 AP=90 RP=20", "G3 I5 J0", "G3 AR=90 I5 J0", "X=IC(3)"])
+def test_a_motion_without_an_axis_calls_the_hole(motion):
+    """MCALL: behind every block with a motion ("Modal subroutine call"), whatever says its end."""
+    lines = written(f"{START}|F9|G111 X0 Y0|MCALL CYCLE81(10,0,2,-6)|{motion}|MCALL|M30")
     assert sum("Z-6" in text for text in lines) == 1
 
 

@@ -34,9 +34,10 @@ NEAR = 1e-9  # of a length: the same depth
 CHIP = 1.0  # mm, by which it goes back to break chips
 MOST_STROKES = 10_000
 WRITE_OUT = "let the CAM program write this hole out as G0 and G1"
-# A line whose axis words are a motion of its own; behind the others MCALL calls nothing.
+# A line whose words of axes, poles or centres are a motion of its own; behind others MCALL calls
+# nothing.
 MOVES = re.compile(
-    rb"(?<![A-Z_0-9])(?:[XYZABCUVW][ \t]*(?:=|[-+.0-9])|[AR]P[ \t]*=)", re.IGNORECASE
+    rb"(?<![A-Z_0-9])(?:[XYZABCUVWIJK][ \t]*(?:=|[-+.0-9])|(?:AP|AR|RP)[ \t]*=)", re.IGNORECASE
 )
 STILL = re.compile(
     rb"(?<![A-Z_])(?:A?TRANS|[AC]?ROTS?|A?SCALE|A?MIRROR|G0*(?:4|25|26|58|59|11[0-2]|7[45]))"
