@@ -166,6 +166,8 @@ def _of_printers(dialect: dialects.Dialect) -> list[tuple[str, str]]:
 
 
 def _lengths(dialect: dialects.Dialect) -> str:
+    if dialect.length_letter == "D":
+        return "D, at once, of the tool in use: T brings it with D1, M6 once the program has one"
     at_once = dialect.length_letter != "H" or dialect.length_at_once
     return f"{dialect.length_letter}, at once" if at_once else "G43 H"
 
