@@ -156,9 +156,11 @@ def spindle(words: Words, dialect: Dialect, before: Spoken) -> tuple[Spindle, Sp
     speed[words.block[turns]] = words.mantissa[turns] / 10.0 ** words.decimals[turns]
     speed = hold_last_float(speed, before.rpm)
     on = np.full(n, -1, np.int64)
+    turned = ("spindle clockwise", "spindle counter-clockwise")
+    also = [k for k in (13, 14) if dialect.m_codes.get(k, "").startswith(turned)]
     for k in np.flatnonzero(words.letter == ord("M")):
         code = int(words.mantissa[k])
-        if words.decimals[k] == 0 and code in (3, 4, 5):
+        if words.decimals[k] == 0 and (code in (3, 4, 5) or code in also):
             on[words.block[k]] = code != 5
     on = hold_last(on, before.turning)
     if not n:

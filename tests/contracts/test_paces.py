@@ -140,6 +140,11 @@ def test_dwells_by_hand(name, text, seconds):
         ("fanuc-lathe-a", "M3 S900|G50 S2000", 900.0),
         ("okuma", "M3 S900|G4 F1 S800", 800.0),
         ("heidenhain-iso", "M3 S900*|G04 F1*", 900.0),
+        ("fanuc-mill", "S900 M13", 900.0),  # with the coolant
+        ("heidenhain-iso", "S900 M14*", 900.0),
+        ("heidenhain", "TOOL CALL 1 Z S900|L X+1 M13", 900.0),
+        ("heidenhain", "TOOL CALL 1 Z S900|L X+1 M13|M5", 0.0),
+        ("haas-lathe", "S900 M14", 0.0),  # it clamps the spindle
         ("siemens", "S1500 M3|G4 S3", 1500.0),
         ("siemens", "S1500 M3|G4 F3", 1500.0),
         ("siemens", "S1=1500 M1=3", 1500.0),
