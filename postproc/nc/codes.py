@@ -131,5 +131,15 @@ SPINDLE_AND_COOLANT = {
     8: "coolant", 9: "coolant off", 19: "orient the spindle", 30: "end of program, rewind",
     48: "overrides on", 49: "overrides off", 60: "pallet change and stop",
 }  # fmt: skip
+TURNED = ("spindle clockwise", "spindle counter-clockwise")
+WITH_COOLANT = {13: 3, 14: 4}  # M13 as M3, M14 as M4, where a control has them so
+
+
+def spindle_codes(m_codes: dict[int, str]) -> dict[int, int]:
+    """Of the M numbers of a control those that turn the spindle or stop it: as M3, M4 or M5."""
+    also = (n for n in WITH_COOLANT if m_codes.get(n, "").startswith(TURNED))
+    return {3: 3, 4: 4, 5: 5, **{n: WITH_COOLANT[n] for n in also}}
+
+
 # M codes that a control executes when the block's motion is done
 AFTER_MOTION = (0, 1, 2, 30, 60, 5, 9)

@@ -13,6 +13,7 @@ import numpy as np
 
 from postproc.motions import Motions
 from postproc.nc.coded import written_codes
+from postproc.nc.codes import spindle_codes
 from postproc.nc.columns import hold_last, hold_last_float
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import KEYWORD_LETTER, PARAMETER
@@ -156,12 +157,11 @@ def spindle(words: Words, dialect: Dialect, before: Spoken) -> tuple[Spindle, Sp
     speed[words.block[turns]] = words.mantissa[turns] / 10.0 ** words.decimals[turns]
     speed = hold_last_float(speed, before.rpm)
     on = np.full(n, -1, np.int64)
-    turned = ("spindle clockwise", "spindle counter-clockwise")
-    also = [k for k in (13, 14) if dialect.m_codes.get(k, "").startswith(turned)]
+    turns_by = spindle_codes(dialect.m_codes)
     for k in np.flatnonzero(words.letter == ord("M")):
         code = int(words.mantissa[k])
-        if words.decimals[k] == 0 and (code in (3, 4, 5) or code in also):
-            on[words.block[k]] = code != 5
+        if words.decimals[k] == 0 and code in turns_by:
+            on[words.block[k]] = turns_by[code] != 5
     on = hold_last(on, before.turning)
     if not n:
         return Spindle(speed, on == 1, mode, surface == SURFACE, cap), before

@@ -190,3 +190,27 @@ def test_a_remark_changes_nothing(text, form):
     line = form.replace("{}", text)
     found = written(body.replace("{}", line))
     assert [t for t in found if t != line] == written(body.replace("|{}", ""))
+
+
+@pytest.mark.parametrize("name", ["TAP M4", "A;B", "M5", "DR3", "A ; M4"])
+def test_a_bore_by_a_named_tool_is_that_of_its_number(name):
+    """Cycle 208: the tool's radius with the DR of its call, the sense by M3: no name says it."""
+    data = "Q200=+2 ~|Q201=-10 ~|Q206=+90 ~|Q334=+2.5 ~|Q203=+1 ~|Q204=+30 ~|Q335=+20 ~|Q342=+0 ~"
+    text = (
+        "BEGIN PGM A MM|L Z+60 R0 FMAX M3|TOOL CALL {} Z S900 DR+1|L X+40 Y+25 Z+60 R0 FMAX|"
+        f"CYCL DEF 208 ~|{data}|Q351=+1|L X+50 FMAX M99|END PGM A MM"
+    )
+    radii = {"T9999": {"R": 3.0}, "T5": {"R": 3.0}}
+    named, numbered = (
+        written(text.format(tool), "heidenhain", radii) for tool in (f'"{name}"', "5")
+    )
+    assert named[3:] == numbered[3:] and len(named) > 15
+
+
+@pytest.mark.parametrize(
+    ("turns", "again"), [("M3", "M3"), ("M4", "M4"), ("M13", "M3"), ("M14", "M4")]
+)
+def test_a_bored_hole_starts_the_spindle_as_it_turned(turns, again):
+    """G86 of a Fanuc mill stops the spindle at the bottom; M13 and M14 turn it with the coolant."""
+    lines = written(f"G90 G17 G0 X0 Y0 Z9|S900 {turns}|G86 X1 Z-1 R1 F9|G80|M30", "fanuc-mill")
+    assert lines[lines.index("M5") + 2 :][:1] == [again]

@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 import re
 
+from postproc.nc.comments import STRINGS
 from postproc.nc.cycles.klartext_holes import Holes
 from postproc.nc.cycles.klartext_lines import Lines
 from postproc.nc.cycles.pole_arc import Arc, ends
@@ -49,9 +50,9 @@ class Tool:
             if called[1] or called[2]:
                 # A tool by its name has no number: 9999, as klartext.py hands it on.
                 self.name = f"T{int(called[1])}" if called[1] else "T9999"
-            delta = DELTA.search(code)
+            delta = DELTA.search(STRINGS.sub(b"", code))
             self.more = float(delta[1]) if delta else 0.0
-        for spindle in SPINDLE.findall(code):
+        for spindle in SPINDLE.findall(STRINGS.sub(b"", code)):
             self.turn = {3: 1, 13: 1, 4: -1, 14: -1}.get(int(spindle), 0)
 
     def radius(self, cycle: int) -> float:

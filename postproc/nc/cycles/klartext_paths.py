@@ -14,6 +14,7 @@ import math
 import re
 from collections.abc import Sequence
 
+from postproc.nc.comments import uncommented
 from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.klartext_bore import Tool
 from postproc.nc.cycles.klartext_called import called
@@ -26,6 +27,7 @@ from postproc.nc.cycles.klartext_tangent import Heading
 from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
 from postproc.nc.cycles.scene import PLANES, Scene
 from postproc.nc.expand import Line
+from postproc.nc.grammar import KLARTEXT
 from postproc.nc.klartext import CYCLE, HEAD, PATTERNS, TURNS
 
 STATEMENT = re.compile(
@@ -77,7 +79,7 @@ class KlartextPaths(Before):
         self.scene.forget()
         head = HEAD.match(line.text)
         assert head is not None
-        code = line.text[head.end() :].partition(b";")[0].rstrip(b" \t\r~")
+        code = uncommented(line.text, KLARTEXT)[head.end() :].rstrip(b" \t\r~")
         if self.scene.passes(line.text):
             return [line]
         found = STATEMENT.match(code)

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import re
 
+from postproc.nc.comments import uncommented
 from postproc.nc.cycles.affine import AXES, Affine, point, rotation, scaling
 from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.klartext_holes import TAPS
@@ -27,6 +28,7 @@ from postproc.nc.cycles.klartext_lines import signed
 from postproc.nc.cycles.klartext_paths import KlartextPaths
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
+from postproc.nc.grammar import KLARTEXT
 from postproc.nc.klartext import BUILDER, HEAD, MACHINE
 
 MIRROR, ROTATION, SCALE, STRETCH, PRESET, SHIFT = 8, 10, 11, 26, 247, 7
@@ -81,7 +83,7 @@ class KlartextTurns(Before):
         """The line, or the lines that it becomes. Raises ProgramError."""
         head = HEAD.match(line.text)
         assert head is not None
-        code = line.text[head.end() :].partition(b";")[0].rstrip(b" \t\r~")
+        code = uncommented(line.text, KLARTEXT)[head.end() :].rstrip(b" \t\r~")
         if self.scene.passes(line.text):
             return self.paths.take(line)
         if code.startswith(b"PLANE"):

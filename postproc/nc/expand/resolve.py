@@ -14,7 +14,7 @@ from collections.abc import Callable
 
 from postproc.errors import BlockFault, ProgramError
 from postproc.motions import Motions
-from postproc.nc.codes import FRAME_KEYS, KEYWORD, KEYWORDS
+from postproc.nc.codes import FRAME_KEYS, KEYWORD, KEYWORDS, spindle_codes
 from postproc.nc.cycles import family
 from postproc.nc.cycles.affine import AXES
 from postproc.nc.cycles.block import Block, blocks
@@ -52,6 +52,7 @@ class Resolver:
         self.program, self.tracker, self.grammar = program, tracker, tracker.dialect.grammar
         self.scene, self.keeps = Scene(tracker), keeps
         self.scene.tolerance = tolerance
+        self.turns = spindle_codes(tracker.dialect.m_codes)
         self.family = family(tracker.dialect, synchronised)
         self.control = self.family.control(self.scene) if self.family.control else None
         self.before_it = self.family.before(self.scene)
@@ -452,8 +453,7 @@ class Resolver:
 
     def _spindle(self, block: Block) -> None:
         for m in block.m_codes():
-            if m in (3, 4, 5):
-                self.scene.spindle = m
+            self.scene.spindle = self.turns.get(m, self.scene.spindle)
 
     def _lines(self) -> list[bytes]:
         """The source text that the line at hand stands in."""
@@ -490,7 +490,8 @@ def _interest(numbers: list[int], tools: bool) -> re.Pattern[bytes]:
     if not codes:
         return re.compile(rb"(?!)")
     found = (
-        rf"G[ \t]*0*[ \t]*(?:{'|'.join(codes)})(?![ \t]*[0-9.])|M[ \t]*0*[ \t]*[345](?![ \t]*[0-9])"
+        rf"G[ \t]*0*[ \t]*(?:{'|'.join(codes)})(?![ \t]*[0-9.])"
+        r"|M[ \t]*0*[ \t]*(?:[345]|1[ \t]*[34])(?![ \t]*[0-9])"
     )
     found = "|".join([found, *names, *([r"T[ \t]*[0-9]"] if tools else [])])
     return re.compile(found.encode(), re.IGNORECASE)
