@@ -43,10 +43,10 @@ SETUP = replace(
 )
 
 
-def written(program: str) -> list[str]:
+def written(program: str, setup=SETUP) -> list[str]:
     """The plain lines of a program with | between its lines."""
     part = Program("part", program.replace("|", "\n").encode())
-    tracker = Tracker(Interpreter(dialects.load("haas"), SETUP))
+    tracker = Tracker(Interpreter(dialects.load("haas"), setup))
     resolver = Resolver(part, tracker)
     found = [one for line in executed(part, tracker, Limits()) for one in resolver.take(line)]
     return [line.text.decode() for line in found]
@@ -284,3 +284,21 @@ def test_an_arc_in_inches_that_misses_its_end_by_20_micrometres_is_refused():
     assert written(part(shape.format(""), call, head))
     with pytest.raises(ProgramError, match="misses its own end"):
         written(part(shape.format("008"), call, head))
+
+
+@pytest.mark.parametrize(
+    ("before", "place"),
+    [
+        ("G10 L12 P1 R4.|", {"R": 6.25}),  # neither what is stated nor twice that
+        ("", {"Z": 6.25}),
+    ],
+)
+@pytest.mark.parametrize("call", ["G12 I20. D1 F100.", "G13 I20. D1 F100."])
+def test_a_circle_with_a_radius_that_is_not_known_is_refused(before, place, call):
+    """The radius that G10 writes holds from there on, and no other number is taken for it."""
+    setup = replace(SETUP, offsets={**SETUP.offsets, "D1": place})
+    known = replace(SETUP, offsets={**SETUP.offsets, "D1": {"R": 4.0}})
+    program = f"{HEAD}{{}}Z-2.|{call}|M30"
+    assert len(written(program.format("G10 L12 P1 R4.|"), known)) > 5
+    with pytest.raises(ProgramError, match="radius D1 of G1. is not stated"):
+        written(program.format(before), setup)

@@ -303,7 +303,7 @@ class Scene:
 
     def tool_radius(self, name: str, block: Block) -> float:
         """The radius that D of a block names, program's unit. Raises ProgramError."""
-        radius = self.tracker.offset(f"D{block.get('D'):g}", "R")
+        radius = self.tracker.offset(f"D{block.get('D'):g}", "R", None)
         if radius is None:
             raise self.not_stated(name, block)
         return radius / self.unit

@@ -163,11 +163,13 @@ class Tracker:
         state, row = self.state, self.setup.axes.index(axis)
         return float(state.position[row] / TICKS_PER_MM) if state.known[row] else None
 
-    def offset(self, name: str, axis: str) -> float | None:
+    def offset(self, name: str, axis: str, missing: float | None = 0.0) -> float | None:
         """mm: a work or tool offset ("G54", "T0101", "H1") as stated or as set by the program,
-        None: not stated."""
-        place = self.state.offsets.get(name) or self.setup.offsets.get(name)
-        return None if place is None else place.get(axis, 0.0)
+        None: not stated, or set to what is not known. missing: where it is stated without the
+        axis."""
+        own = self.state.offsets.get(name)
+        place = self.setup.offsets.get(name) if own is None else own or None
+        return None if place is None else place.get(axis, missing)
 
     def decimals(self, letter: str) -> int:
         """How many decimals a number behind this letter is written with: a least increment for an
