@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from postproc.errors import Notice, ProgramError
 from postproc.motions import Motions
+from postproc.nc.batch import DIAM90
 from postproc.nc.codes import Code, code_number
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.expand.tracker import Tracker, number
@@ -16,7 +17,6 @@ from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
 # message, advice, and what to point at in the line
 Fault = Callable[[str, str, bytes], ProgramError]
 CLOCKWISE, COUNTER = 20, 30
-DIAM90 = "DIAM90"
 # first and second axis, and the one across
 PLANES = {170: ("X", "Y", "Z"), 180: ("Z", "X", "Y"), 190: ("Y", "Z", "X")}
 LINEAR = "XYZUVW"
@@ -116,13 +116,13 @@ class Scene:
 
     def is_diameter(self, axis: str) -> bool:
         """Whether words of this axis that are places are diameters."""
-        return self.tracker.is_diameter(axis, distance=False)
+        mode = self.code("diameter") if axis == "X" else -1
+        return mode != 80 if mode in (70, 80, DIAM90) else axis in self.tracker.setup.diameter
 
     @property
     def diameter_in_g90(self) -> bool:
         """Whether X is a diameter as a place and a radius as a distance: DIAM90."""
-        mode = self.code("diameter")
-        return any(row.word == DIAM90 and row.number == mode for row in self.table.values())
+        return self.code("diameter") == DIAM90
 
     def double(self, axis: str) -> float:
         """By what the words of an axis are more than its way: 2 for diameters, else 1."""
