@@ -70,7 +70,7 @@ def chapter(dialect: dialects.Dialect) -> str:
             kinds["needs --expand"].append(code.word)
         elif code.refuses:
             refused[code.refuses].append(code.word)
-        elif code.does in codes.CYCLE_KEYS or code.does in ("set", "data"):
+        elif code.does in (*codes.CYCLE_KEYS, "set", "set or off", "set or all", "data"):
             kinds["corrected in place"].append(code.word)
         elif code.does in codes.STAY_KEYS:
             kinds["left as it is"].append(code.word)

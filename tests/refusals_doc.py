@@ -38,6 +38,7 @@ CALLS = {
 PAIRS = (
     "nc/faults",
     "nc/frames",
+    "nc/presets",
     "nc/zeros",
     "nc/lengths",
     "filter",

@@ -23,7 +23,9 @@ def codes_after_motion(b: Writing) -> None:
     #                          X9 M5      would stop the spindle at X3.
     cut = np.zeros(w.blocks, bool)
     cut[m.block[b.p.motion[b.several]]] = True
-    late = np.isin(w.mantissa[named], codes.AFTER_MOTION) & (w.decimals[named] == 0)
+    # and so does what ends the program, or begins it again: M99 of Fanuc, M17 of Siemens
+    ends = (*codes.AFTER_MOTION, *b.dialect.ends, *b.dialect.restarts)
+    late = np.isin(w.mantissa[named], ends) & (w.decimals[named] == 0)
     for word in named[late & cut[w.block[named]]]:
         motion = int(np.searchsorted(m.block, w.block[word]))
         last = int((b.p.motion == motion).nonzero()[0][-1])

@@ -67,6 +67,7 @@ class Batch:
         # letter to its words
         self.places = {chr(c): (words.letter == LETTERS[c]).nonzero()[0] for c in present}
         self.ended = state.ended
+        self.end = self.n  # the block that ends the program, the number of blocks where none does
         self.live = self._live()
         self.given: dict[str, np.ndarray] = {}  # modal group to (B,) codes, NONE where not named
         self.filled: dict[str, np.ndarray] = {}  # the same without gaps, once they were asked for
@@ -128,7 +129,7 @@ class Batch:
         for place in self.places.get("M", ())[:] if not self.ended else ():
             if self._is_end(place) and live[w.block[place]]:
                 live[w.block[place] + 1 :] = False
-                self.ended = True
+                self.ended, self.end = True, int(w.block[place])
                 self._tell_behind(w.block[place])
                 break
         if np.count_nonzero(live) < self.n:

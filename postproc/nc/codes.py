@@ -42,15 +42,16 @@ class Code:
 # codes that are words (TRANS, DIAMON) rather than a letter and a number lie from here on
 KEYWORD = 10_000
 KEYWORDS: list[str] = []  # every keyword that a dialect has named so far, in that order
-# What a code does to the coordinates: G52; G92, G92.1, G92.2, G92.3; G10; G43 H, G43.1, G43.2, G44,
-# G49; G54.1 P; G54 where a letter chooses the offset; G59 P; TRANS, ATRANS, G58, G59; G43.4,
-# TRAORI, TRAFOOF; G68.2, G69, G53.1, CYCLE800, PLANE; G12.1, G13.1.
+# What a code does to the coordinates: G52; G92, which without a word does nothing, or takes itself
+# back, or means all axes; G92.1, G92.2, G92.3; G10; G43 H, G43.1, G43.2, G44, G49; G54.1 P; G54
+# where a letter chooses the offset; G59 P; TRANS, ATRANS, G58, G59; G43.4, TRAORI, TRAFOOF; G68.2,
+# G69, G53.1, CYCLE800, PLANE; G12.1, G13.1.
 FRAME_KEYS = (
-    "local", "datum shift", "set", "set zero", "set off", "set back", "data", "length",
-    "length words", "length more", "length minus", "no length", "extended", "fixture", "trans",
-    "atrans", "axis shift", "further axis shift", "no frame", "store", "frame", "numbered", "tip",
-    "tip on", "tip off", "plane", "plane off", "plane align", "swivel", "spatial", "polar on",
-    "polar off",
+    "local", "datum shift", "set", "set or off", "set or all", "set zero", "set off", "set back",
+    "data", "length", "length words", "length more", "length minus", "no length", "extended",
+    "fixture", "trans", "atrans", "axis shift", "further axis shift", "no frame", "store", "frame",
+    "numbered", "tip", "tip on", "tip off", "plane", "plane off", "plane align", "swivel",
+    "spatial", "polar on", "polar off",
 )  # fmt: skip
 # Cycles that are corrected in place: holes, holes that are tapped; an engraving, of which the place
 # and the depth are; threads and single passes, of which only ends are.

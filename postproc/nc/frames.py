@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from postproc.nc import face, planes, spatial, swivel, tips
+from postproc.nc import face, planes, presets, spatial, swivel, tips
 from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.codes import code_number
 from postproc.nc.grammar import KEYWORD_LETTER
@@ -44,7 +44,6 @@ from postproc.nc.zeros import (
     stated,
     values_of,
     with_known,
-    work_columns,
 )
 from postproc.records import replace
 from postproc.units import TICKS_PER_MM
@@ -92,12 +91,6 @@ def _edge(b: Batch, axis_words: AxisWords) -> None:
         _length(b, axis_words, "H", sign=sign)
 
 
-LOST = (
-    "a block between the start and here (homing, a macro) leads it nowhere known: run the program"
-    " up to here by itself, and the rest with its own --start"
-)
-
-
 def begins_with(b: Batch, number: int) -> bool:
     """Whether a code without a group stands in the first block."""
     return number in b.single and 0 in b.single[number][:1]
@@ -109,64 +102,13 @@ def _first_codes(b: Batch, does: str) -> list[int]:
     return [n for n, own in every if own == does and b.live[0] and begins_with(b, n)]
 
 
-def _set(b: Batch, axis_words: AxisWords, word: str) -> None:
-    """G92: the place where the axes stand gets these coordinates."""
-    values = values_of(b, axis_words)
-    if not values:
-        return
-    frame = b.frame
-    others = work_columns(b)[:, 0] + frame.shift - (frame.preset if frame.preset_on else 0)
-    if not frame.preset_on:
-        frame = replace(frame, preset=np.zeros_like(frame.preset))
-    # coordinate = position - preset - others, so that the preset follows from the place named
-    preset, missing = {}, ""
-    for letter, (value, is_inc) in values.items():
-        row = b.rows[letter]
-        if is_inc:
-            preset[row] = int(frame.preset[row] - value)  # G92 U5: the coordinate grows by 5
-            continue
-        preset[row] = int(b.state.position[row] - value - others[row])
-        if not b.state.known[row]:
-            missing += letter
-    reason = None
-    if missing:
-        reason = (
-            f"{word} gives {', '.join(missing)} a new zero where the machine stands, and that"
-            " is not known",
-            f"say where it stands before the program, mm, radius, machine coordinates: --start"
-            f" {','.join(x + '0' for x in missing)}"
-            if not all(x in b.setup.start for x in missing)
-            else LOST,
-        )
-    b.frame = with_known(
-        replace(frame, preset=changed(frame.preset, preset), preset_on=True), "preset", reason
-    )
-    note_presets(b, axis_words, [x for x, (_, is_inc) in values.items() if not is_inc])
-
-
-def _set_zero(b: Batch, axis_words: AxisWords, word: str) -> None:
-    frame = replace(b.frame, preset=np.zeros_like(b.frame.preset), preset_on=True)
-    if b.dialect.local_is_preset:
-        frame = replace(frame, local=np.zeros_like(frame.local))
-    b.frame = with_known(frame, "preset")
-
-
-def _set_off(b: Batch, axis_words: AxisWords, word: str) -> None:
-    b.frame = with_known(replace(b.frame, preset_on=False), "preset")
-
-
-def _set_back(b: Batch, axis_words: AxisWords, word: str) -> None:
-    b.frame = replace(b.frame, preset_on=True)  # as it was before G92.2
-
-
 def _local(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G52: a zero within the work offset. LinuxCNC keeps it where it keeps G92's."""
     values = {b.rows[x]: value for x, (value, _) in values_of(b, axis_words).items()}
     if b.dialect.local_is_preset:
         base = b.frame.preset if b.frame.preset_on else np.zeros_like(b.frame.preset)
-        b.frame = with_known(
-            replace(b.frame, preset=changed(base, values), preset_on=True), "preset"
-        )
+        frame = replace(b.frame, preset=changed(base, values), preset_on=True)
+        b.frame = presets.known_again(frame, [b.setup.axes[row] for row in values])
     else:
         b.frame = replace(b.frame, local=changed(b.frame.local, values))
     planes.shifted_within(b, word)
@@ -249,7 +191,10 @@ def _work_offset(
     if old is None and (set(values) < set(b.setup.axes) & set("XYZ") or incremental):  # the rest
         reason = ask_for(b, name, "work")
     b.offsets = {**b.offsets, **dict.fromkeys((name, *also), place)}
-    b.frame = with_known(b.frame, f"data {name}", reason)
+    part = f"data {name}"
+    if reason is None and not set(b.setup.axes) & set("XYZ") <= set(values):
+        reason = b.frame.unknown.get(part)  # of an axis that this block does not name
+    b.frame = with_known(b.frame, part, reason)
 
 
 def _named_too(b: Batch, name: str, p: int) -> tuple[str, ...]:
@@ -364,10 +309,12 @@ def _length(
 ACTIONS = {
     "local": _local,
     "datum shift": lambda b, a, w: None if goes_on(b, w) else _local(b, a, w),
-    "set": _set,
-    "set zero": _set_zero,
-    "set off": _set_off,
-    "set back": _set_back,
+    "set": presets.set_place,
+    "set or off": presets.set_or_off,
+    "set or all": presets.set_or_all,
+    "set zero": presets.set_zero,
+    "set off": presets.set_off,
+    "set back": presets.set_back,
     "data": _data,
     "length": _length,
     "length words": length_words,
@@ -391,7 +338,7 @@ ACTIONS = {
     "atrans": lambda b, a, w: _trans(b, a, w, add=True),
     "axis shift": _axis_shift,
     "further axis shift": lambda b, a, w: _axis_shift(b, a, w, add=True),
-    "no frame": _set_zero,
+    "no frame": presets.set_zero,
     "store": _store,
     "frame": _turned,
 }

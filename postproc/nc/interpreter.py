@@ -60,6 +60,7 @@ from postproc.nc.refusals import (
     stray_words,
     unnamed_motions,
 )
+from postproc.nc.rotary_ways import refuse_ways
 from postproc.nc.splines import refuse_splines, spaced_column
 from postproc.nc.state import NONE, Beside, Frame, ModalState, Setup, no_frame
 from postproc.nc.stops import stop_column
@@ -222,6 +223,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         stray_words(b, centre_words, moving & ((motion == 0) | (motion == 10)))
     places = position(b, block := (moving | b.foreign).nonzero()[0], axis_words)
     refuse_slants(b, block, places)
+    refuse_ways(b, block, places)
     return columns(b, block, motion, places, centre_words), next_state(b, places), b.notices
 
 

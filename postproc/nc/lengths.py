@@ -34,6 +34,10 @@ UNNAMED = (
     "G43 without H takes the length of the tool in the spindle, and which that is is not known",
     "write the tool's number with T and M6 before it, or G43 H with its number",
 )
+IN_MACHINE = (
+    "SUPA, G53 or G153 with a tool length in force: whether the slide or the tool's tip goes to the"
+    " place is a setting (MD10760), so where the axis stands then is not known: write D0 beside it"
+)
 
 
 def set_tool(
@@ -163,6 +167,11 @@ def sign_of_h(b: Batch) -> int:
     return {430: 1, 440: -1}.get(at_first(b, "tool length"), 0)
 
 
+def may_lapse(b: Batch) -> bool:
+    """Whether this control takes lengths back behind G28, G30 or G53, or may do so."""
+    return bool(b.dialect.length_lapses) or b.dialect.length_in_machine
+
+
 def lapses(b: Batch, letter: str, away: np.ndarray, by: np.ndarray) -> np.ndarray:
     """(B,) bool: blocks that send an axis away and take its length back. `away` (B,): blocks of
     G28 and G30 that do send it away; `by`: blocks whose words are absolute places of it.
@@ -174,6 +183,12 @@ def lapses(b: Batch, letter: str, away: np.ndarray, by: np.ndarray) -> np.ndarra
     code" (Haas 96-8000, G28)."""
     codes, frame, row = b.dialect.length_lapses, b.frame, b.rows[letter]
     gone = np.zeros(b.n, bool)
+    if b.dialect.length_in_machine and frame.length[row]:
+        # SUPA Z0 with D1: the slide goes to 0, or the tool's tip does (MD10760 $MN_G53_TOOLCORR)
+        gone[by] = b.machine[by]
+        if gone.any():
+            tell(b, "machine length", IN_MACHINE, int(gone.argmax()))
+        return gone
     if not codes or not frame.length[row] or frame.space is not None:
         return gone
     for number in (280, 300):

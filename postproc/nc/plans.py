@@ -16,7 +16,8 @@ import numpy as np
 from postproc.errors import Notice
 from postproc.flags import all_of
 from postproc.motions import FEED, RAPID, Motions
-from postproc.nc.state import ModalState
+from postproc.nc.rotary_ways import GROUP, SHORTER
+from postproc.nc.state import NONE, ModalState
 from postproc.records import mutable, replace
 
 if TYPE_CHECKING:
@@ -150,6 +151,8 @@ def _places_alone(b: Batch, m: Motions, after: ModalState) -> bool:
     shifts = b.frame is not before.frame or after.offsets is not before.offsets
     # within G41 G42, and where they begin and end, every batch makes another one
     beside = b.beside is not before.beside
+    if after.codes.get(GROUP, NONE) == SHORTER:  # the way says what is refused
+        return False
     if shifts or beside or b.frame.space is not None or b.cycle is not None:
         return False
     if axes is not None and (axes.forgets or axes.held):

@@ -249,7 +249,7 @@ class _Axes:
         b, was = self.b, self.b.state.known
         self.known: np.ndarray | None = None
         unsure = b.cycle if b.cycle is not None and not b.cycle.known else None
-        lapses = bool(b.dialect.length_lapses)
+        lapses = lengths.may_lapse(b)
         if all_of(was) and not any((self.forgets, self.held, unsure, lapses)):
             return
         known = np.ones(self.named.shape, bool)
@@ -279,7 +279,7 @@ class _Axes:
             _since(p, row, away, block, True)
         if letter in b.changed or self.changed[row]:
             drop = drop | self._changed(letter, row, p, away, block)
-        if not b.dialect.length_lapses:
+        if not lengths.may_lapse(b):
             return drop, False
         by = self.by[(self.axis == row) & ~self.is_inc]
         if b.cycle is not None and b.cycle.row == row:

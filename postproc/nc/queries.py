@@ -8,6 +8,8 @@ from postproc.errors import Notice
 from postproc.nc.batch import NO_WORDS, Batch
 from postproc.records import replace
 
+SET_TOOL = 61  # M61 of LinuxCNC: the tool in the spindle, without a change
+
 
 def tell(b: Batch, code: str, said: str, block: int) -> None:
     """Leave a notice at a block."""
@@ -62,6 +64,8 @@ def tool_in_use(b: Batch) -> int:
     b.next_tool = b.state.next_tool if place is None else int(b.words.mantissa[place[-1]])
     if change is None:
         return b.state.tool_number
+    if (told := _tool_told(b, change)) is not None:
+        return told
     changes = change[(b.words.mantissa[change] == 6) & (b.words.decimals[change] == 0)]
     if not len(changes):
         return b.state.tool_number
@@ -69,3 +73,15 @@ def tool_in_use(b: Batch) -> int:
         return b.state.next_tool
     called = place[b.words.block[place] <= b.words.block[changes[-1]]]
     return int(b.words.mantissa[called[-1]]) if len(called) else b.state.next_tool
+
+
+def _tool_told(b: Batch, change: np.ndarray) -> int | None:
+    """The tool that M61 Q says last, with no M6 behind it; None: none. change (K,): the M words."""
+    if b.dialect.m_codes.get(SET_TOOL) != "set tool number":
+        return None
+    w, number = b.words, words_of(b, "Q")
+    brings = change[((w.mantissa[change] == 6) | (w.mantissa[change] == SET_TOOL))]
+    if not len(brings) or w.mantissa[brings[-1]] != SET_TOOL:
+        return None
+    own = number[w.block[number] == w.block[brings[-1]]]
+    return int(w.mantissa[own[0]]) if len(own) else None

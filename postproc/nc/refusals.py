@@ -97,7 +97,7 @@ def check_letters(b: Batch) -> None:
             f"the letter {letter} has no meaning in {b.dialect.title}",
             "it could move an axis: use another --dialect, or take it out",
         )
-    if (slashed := b.words.slashed) < b.n and not b.state.ended:
+    if (slashed := b.words.slashed) < b.n and slashed <= b.end and not b.state.ended:
         how = (
             "left alone, as with the switch on"
             if b.setup.block_delete

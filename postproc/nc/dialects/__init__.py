@@ -112,13 +112,12 @@ class Dialect:
     (Fanuc; Haas' is a place).
     `conditions`: lines behind if and while that are indented further run when the control says so.
     `drawn`: letters of a straight block that say a corner or the angle of the line, where the
-    machine has no axis of that letter.
-    `nose_in_tool`: a T word of six digits begins with the number of the nose radius (Okuma).
-    `polar`: the letter of the second coordinate of polar interpolation, C or Y (face.py);
-    `polar_group`: the modal group of the codes that begin and end it; `contour`: by how much the
-    codes that move there are above G1 G2 G3 (Okuma's G101: 100), 0: they are these.
-    `feed_along_first`: F is along X Y Z where any of them moves, else along U V W, else in degrees
-    (feeds.py).
+    machine has no axis of that letter. `nose_in_tool`: a T word of six digits begins with the
+    number of the nose radius (Okuma). `polar`: the letter of the second coordinate of polar
+    interpolation, C or Y (face.py); `polar_group`: the modal group of the codes that begin and end
+    it; `contour`: by how much the codes that move there are above G1 G2 G3 (Okuma's G101: 100), 0:
+    they are these. `feed_along_first`: F is along X Y Z where any of them moves, else along U V W,
+    else in degrees (feeds.py). `length_in_machine`: whether G53 leaves the length is a setting.
     """
 
     name: str
@@ -205,6 +204,7 @@ class Dialect:
     polar: str = ""
     polar_group: str = "polar"
     contour: int = 0
+    length_in_machine: bool = False
 
     @cached_property
     def shifts_at_once(self) -> list[int]:

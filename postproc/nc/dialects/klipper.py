@@ -3,7 +3,8 @@ printer's macros.
 
 Commands: Klipper3d/klipper, klippy/gcode.py (a letter and a number, the last of its letter, or a
 name with NAME=value behind it; case does not matter), klippy/extras/gcode_move.py (G0 G1 G20 G21
-G90-G92 M82 M83 M114 M220 M221; E counts as incremental under G91 or M83), homing.py (G28),
+G90-G92 M82 M83 M114 M220 M221; E counts as incremental under G91 or M83; G92 without a word sets
+all four to 0), homing.py (G28),
 gcode_arcs.py (G2 G3 G17-G19: centres by the two words of the plane; R and G91 are refused),
 firmware_retraction.py (G10 G11), documentation in docs/G-Codes.md. Every other code and name is a
 macro of printer.cfg, if it is anything.
@@ -23,7 +24,7 @@ from postproc.nc.dialects.marlin import (
     SLICED,
 )
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import DISTANCE, DWELL, MOTION, PLANE, SET, rows
+from postproc.nc.rows import DISTANCE, DWELL, MOTION, PLANE, rows
 
 _END = r"(?![A-Z0-9_])[^;\n]*"
 # Commands of Klipper's own that move nothing and shift nothing.
@@ -60,7 +61,7 @@ DIALECT = Dialect(
         *PLANE,
         *DISTANCE,
         *DWELL,
-        *SET,
+        *rows("shift", {"92": "set position"}, takes=True, does="set or all"),
         *rows("units", {"21": "millimetre"}),
         *rows("units", {"20": "inch"}, refuses=_NO_INCH),
         *rows("", {"10": "retract filament", "11": "recover filament"}, takes=True, does="words"),

@@ -20,6 +20,8 @@ from postproc.nc.rows import rows
 # Its own statements move nothing by themselves; what they decide about is indented (conditions).
 META = r"^[ \t]*(?:echo|var|global|set|param|skip|abort|if|elif|else|while|break|continue)\b[^\n]*"
 
+# G1 H1 ends at an endstop, H2 moves motors, H3 measures the axis (GCodes.cpp, DoStraightMove)
+ENDSTOP = HEAD + r"G[ \t]*0*[01](?![0-9.])[^;\n]*(?<![A-Z])H[ \t]*[1-4](?![0-9.])[^;\n]*"
 FILES = HEAD + r"M[ \t]*0*(?:98|125|226|600|701|702)(?![0-9.])[^;\n]*"  # each runs a macro file
 
 DIALECT = Dialect(
@@ -138,7 +140,7 @@ DIALECT = Dialect(
         666: codes.TRANSFORM,
         675: codes.PROBE,
     },
-    grammar=Grammar(checksums=True, ignores=(META,), macros=((TEXT, 0), (FILES, 0))),
+    grammar=Grammar(checksums=True, ignores=(META,), macros=((TEXT, 0), (FILES, 0), (ENDSTOP, 0))),
     conditions=True,
     dwell="PS",
     carried=("E",),

@@ -316,6 +316,7 @@ DIALECT = Dialect(
     # (first_turn).
     motion=10,
     increments_travel_shifts=True,
+    length_in_machine=True,  # G53 G153 SUPA and the tool's length: MD10760 $MN_G53_TOOLCORR
     expand_decimals=2,
     dwell="FS",
     turns=True,

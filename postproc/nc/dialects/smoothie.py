@@ -2,7 +2,8 @@
 codes are modal.
 
 Codes: Smoothieware/Smoothieware, src/modules/robot/Robot.cpp (on_gcode_received: G0-G3, G10,
-G17-G21, G43, G49, G53-G59.3, G90-G92; compute_arc: the two centre words of the plane),
+G17-G21, G43, G49, G53-G59.3, G90-G92, where G92 without a word is G92.1; compute_arc: the two
+centre words of the plane),
 src/modules/communication/GcodeDispatch.cpp (several commands in a line, `;` and `(` begin comments,
 modal G0-G3, first G0), src/modules/tools/endstops/Endstops.cpp (G28),
 tools/drillingcycles/Drillingcycles.cpp (G81-G83, G98, G99), tools/zprobe/ZProbe.cpp (G29-G32, G38).
@@ -31,8 +32,9 @@ DIALECT = Dialect(
         *shared.MACHINE_FRAME,
         *shared.DWELL,
         *shared.DATA,
-        *shared.SET,
+        *rows("shift", {"92": "set position"}, takes=True, does="set or off"),
         *shared.SET_ZERO,
+        *rows("shift", {"92.2": "no position shift"}, takes=True, does="set zero"),
         *shared.NO_LENGTH,
         *shared.LENGTH_WORDS,
         *shared.PROBE,

@@ -254,7 +254,7 @@ def _machine(tracker: Tracker, axis: str) -> float | None:
 def _preset(tracker: Tracker, index: int) -> float | None:
     """#5211 on: what G92 and G52 have set, mm."""
     frame, axis = _frame(tracker), AXES[index - 5211]
-    if index == 5210 or "preset" in frame.unknown:
+    if index == 5210 or any(part.startswith("preset") for part in frame.unknown):
         return None
     return (
         float(frame.preset[tracker.setup.axes.index(axis)] / TICKS_PER_MM)

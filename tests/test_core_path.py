@@ -1,0 +1,191 @@
+"""What users of single controls write on the plain path, and was read as something else: ends of
+programs beside a motion, G92 without a word, the way round of a rotary axis, machine coordinates
+under a tool length."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from postproc.errors import ProgramError
+from postproc.filter import Filter, setup_of
+from postproc.machine import places
+from postproc.nc import dialects
+from tests.test_unknown_places import mill
+
+ROOT = Path(__file__).resolve().parents[1]
+ALL = [f"E{c}{x}" for x in "XYZ" for c in "XYZABC"]
+ZEROS = {
+    **{name: dict.fromkeys("XYZ", 0.0) for name in ("G54", "G55")},
+    "D1": {"Z": 20.0},
+    "T1": {"Z": 7.0},
+    "T2": {"Z": 3.0},
+}
+
+
+def filtered(text: str, dialect: str, machine=None, start=None, cut: bool = False):
+    """The filter, and its lines without gcomp's mark. cut: fed line by line."""
+    of = dialects.load(dialect)
+    machine = (machine or mill(*ALL)).carrying(of.carried)
+    filter_ = Filter(machine, of, setup_of(machine, ZEROS, start))
+    parts = text.encode().splitlines(keepends=True) if cut else [text.encode()]
+    out = b"".join(filter_.feed(part) for part in parts) + filter_.finish()
+    return filter_, [line for line in out.decode().splitlines() if "GCOMP" not in line]
+
+
+def lines(text: str, dialect: str, **more) -> list[str]:
+    return filtered(text, dialect, **more)[1]
+
+
+def refused(text: str, dialect: str, **more) -> str:
+    with pytest.raises(ProgramError) as error:
+        filtered(text, dialect, **more)
+    return str(error.value)
+
+
+def five_axis():
+    return places.load(str(ROOT / "machines" / "example-five-axis"))
+
+
+# -- the end of a program beside a motion ----------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("dialect", "end"),
+    [
+        ("fanuc-mill", "M99"), ("haas", "M99"), ("centroid", "M99"), ("siemens", "M17"),
+        ("siemens", "M2"), ("fanuc-mill", "M30"),
+    ],
+)  # fmt: skip
+def test_the_end_of_the_program_stands_behind_all_pieces(dialect, end):
+    """M99 takes the control back to the first block: behind the first piece it left out the
+    rest of the way."""
+    out = lines(f"G90 G54 G0 X0. Y0. Z0.\nG1 X400. F100 {end}\n", dialect)
+    assert len(out) > 2
+    assert [end in line for line in out] == [False] * (len(out) - 1) + [True]
+
+
+# -- G92 -------------------------------------------------------------------------------------------
+
+
+def test_g92_of_one_axis_says_nothing_of_the_others():
+    """As printers have it: G92 E0 behind G92 X0 Y0 Z0 where nobody says where the slides stand."""
+    head = "G90\nG92 X0 Y0 Z0\n"
+    wanted = "G92 gives X, Y, Z a new zero where the machine stands"
+    assert wanted in refused(head + "G1 X10 Y10 Z1 F100\n", "marlin")
+    assert wanted in refused(head + "G92 E0\nG1 X10 Y10 Z1 F100\n", "marlin")
+    where = "G92 gives X a new zero"
+    assert where in refused("G92 X0\nG52 Y5\nG0 X10 Y10 Z1\n", "linuxcnc", start={"Y": 0, "Z": 0})
+    # taken back, it is known
+    assert lines("G92 X0 Y0 Z0\nG92.1\nG0 X10 Y0 Z0\n", "linuxcnc")
+
+
+def test_an_offset_set_at_an_unknown_place_stays_unknown_until_all_axes_are_named():
+    head = "G90\nG10 L20 P1 X0 Y0\nG10 L20 P1 Z0\nG54\n"
+    where = "G10 L20 sets G54 from where Y stands"
+    assert where in refused(head + "G0 X1 Y1 Z1\n", "linuxcnc", start={"Z": 0.0})
+    assert lines(head + "G10 L2 P1 X0 Y0 Z0\nG0 X1 Y1 Z1\n", "linuxcnc", start={"Z": 0.0})
+
+
+def test_g92_without_a_word():
+    """Klipper sets all four to 0 (gcode_move.py, cmd_G92), Smoothieware takes G92 back (Robot.cpp);
+    elsewhere it does nothing."""
+    head = "G90\nG1 X10 Y10 Z0 F1000\nG92 X0 Y0\n"
+    out = lines(head + "G92\nG1 X10 Y10\n", "smoothie")
+    assert out[-1] == lines(head + "G92.1\nG1 X10 Y10\n", "smoothie")[-1]
+    assert out[-1] == lines(head + "G92.2\nG1 X10 Y10\n", "smoothie")[-1]
+    assert out[1].removeprefix("G1 ").split()[:2] == out[-1].removeprefix("G1 ").split()[:2]
+    assert "every axis the coordinate 0" in refused(head + "G92\nG1 X10 Y10\n", "klipper")
+    behind = lines(head + "G92\nG92 X0 Y0 Z0 E0\nG1 X10 Y10\n", "klipper")
+    assert behind[-1] == lines(head + "G92 X0 Y0 Z0 E0\nG1 X10 Y10\n", "klipper")[-1]
+    assert (
+        lines(head + "G92\nG1 X10 Y10\n", "marlin")[4:]
+        == (lines(head + "M400\nG1 X10 Y10\n", "marlin")[4:])
+    )
+
+
+# -- tools, endstops -------------------------------------------------------------------------------
+
+
+def test_m61_says_which_tool_g43_means():
+    """LinuxCNC: M61 Q sets the tool in the spindle without a change. T2 is 4 mm shorter than T1."""
+    head = "T1 M6\nG43\n"
+    at = "G0 X0 Y0 Z10\n"
+    assert (
+        lines(head + "M61 Q2\nG43\n" + at, "linuxcnc")[-1]
+        == (lines("T2 M6\nG43\n" + at, "linuxcnc")[-1])
+    )
+    assert (
+        lines(head + "M61 Q2\nT1 M6\nG43\n" + at, "linuxcnc")[-1]
+        == (lines(head + at, "linuxcnc")[-1])
+    )
+
+
+@pytest.mark.parametrize("word", ["H1", "H2", "h4"])
+def test_a_move_to_an_endstop_is_no_place(word):
+    """RepRapFirmware: G1 H1 X-200 ends where the endstop is."""
+    head = "G90\nG1 X10 Y10 Z0 F1000\n"
+    out = lines(head + f"G1 {word} X-200 F1000\nG91\nG1 X5 Y5\nG90\nG1 X10 Y10 Z0\n", "reprap")
+    assert f"G1 {word} X-200 F1000" in out and "G1 X5 Y5" in out
+    assert out[-1] == lines(head, "reprap")[1].replace(" F1000", "")
+    assert "G1 H0" in lines(head + "G1 H0 X50\n", "reprap")[2]
+
+
+def test_machine_coordinates_under_a_tool_length():
+    """Sinumerik: SUPA Z0 leads the slide to 0, or the tool's tip, by MD10760."""
+    head = "G90 G54 T2 D1\nG0 X0 Y0 Z0\n"
+    filter_, _ = filtered(head + "SUPA G0 Z-10 D0\nG1 X50 F100\n", "siemens")
+    assert not any(n.code == "machine length" for n in filter_.notices)
+    assert "where Z stands is not known" in refused(head + "SUPA G0 Z-10\nG1 X50 F100\n", "siemens")
+    filter_, _ = filtered(head + "SUPA G0 Z-10\nG1 X50 Z5 F100\n", "siemens")
+    assert any(n.code == "machine length" for n in filter_.notices)
+
+
+# -- the way round ---------------------------------------------------------------------------------
+
+TURNED = "L X+10 Y+10 Z+0 C+350 A+0 R0 FMAX\n"
+
+
+def test_m126_goes_the_shorter_way():
+    """From 350 to 10 degrees it is +20; what was cut led the table back by -340, in 12 pieces."""
+    head = "BEGIN PGM A MM\n" + TURNED
+    turn = "L X+20 C+10 F100\n"
+    for cut in (False, True):
+        said = refused(head + "M126\n" + turn, "heidenhain", machine=five_axis(), cut=cut)
+        assert "C turns by more than 180 degrees under M126" in said
+        assert lines(head + "M126\nM127\n" + turn, "heidenhain", machine=five_axis(), cut=cut)
+        short = "M126\nL X+20 IC+20 F100\nL X+10 C+350\nL C+10 FMAX\n"
+        assert lines(head + short, "heidenhain", machine=five_axis(), cut=cut)
+    iso = "%A G71 *\nN1 G17 G90 *\nN2 G00 X+10 Y+10 Z+0 C+350 A+0 *\nN3 M126 *\n"
+    said = refused(iso + "N4 G01 X+20 C+10 F100 *\n", "heidenhain-iso", machine=five_axis())
+    assert "under M126" in said
+
+
+@pytest.mark.parametrize(
+    ("start", "word", "told"),
+    [
+        ("350", "DC(10)", True), ("10", "DC(100)", False), ("10", "DC(350)", True),
+        ("350", "ACP(5)", True), ("5", "ACP(350)", False),
+        ("350", "ACN(5)", False), ("5", "ACN(350)", True), ("350", "IC(20)", False),
+    ],
+)  # fmt: skip
+def test_dc_acp_acn_say_the_way(start, word, told):
+    text = f"G90 G54 G0 X10 Y1 Z-5 A0 C{start}\nG1 X20 C={word} F100\n"
+    if told:
+        assert "goes round the other way" in refused(text, "siemens", machine=five_axis())
+    else:
+        assert lines(text, "siemens", machine=five_axis())
+    # a rapid is one block whatever the way is
+    assert lines(text.replace("G1 X20", "G0 X20"), "siemens", machine=five_axis())
+
+
+# -- what is told ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("cut", [False, True])
+def test_a_slash_behind_the_end_is_not_told(cut):
+    text = "G90 G54 G0 X0. Y0. Z0.\nM30\n/G1 X5. F100\n"
+    assert not any(n.code == "block delete" for n in filtered(text, "haas", cut=cut)[0].notices)
+    text = "G90 G54 G0 X0. Y0. Z0.\n/M30\n"
+    assert any(n.code == "block delete" for n in filtered(text, "haas", cut=cut)[0].notices)
