@@ -6,12 +6,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine import places
 from postproc.nc import dialects
+from postproc.units import TICKS_PER_MM
 from tests.test_unknown_places import mill
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -105,6 +107,23 @@ def test_g92_without_a_word():
     )
 
 
+@pytest.mark.parametrize("dialect", ["fanuc-mill", "haas"])
+def test_g92_of_an_axis_takes_its_local_coordinates_back(dialect):
+    """G52 X0 behind it shifts nothing: X5 is 15 from where G54 has its zero, Y5 is 5."""
+    text = "G90 G54 G0 X0. Y0. Z0.\nG52 X10. Y10.\nG0 X0. Y0.\nG92 X0.\nG52 X0. Y0.\n"
+    out = lines(text + "G0 X5. Y5.\nG28 X0. Y0.\n", dialect)
+    plain = lines("G90 G54 G0 X15. Y5. Z0.\n", dialect)
+    x, y = (float(word[1:]) for word in plain[0].split()[3:5])
+    assert out[5].split()[1:3] == [f"X{x - 10:.4f}", f"Y{y:.4f}"]
+
+
+def test_g92_1_of_fanuc_means_the_axes_that_it_names():
+    text = "G90 G54 G0 X0. Y0. Z0.\nG92 X10. Y10.\nG92.1 X0\nG0 X15. Y15.\n"
+    plain = lines("G90 G54 G0 X15. Y5. Z0.\n", "fanuc-mill")[0].split()[3:5]
+    out = lines(text, "fanuc-mill")[3].split()[1:3]
+    assert out == [plain[0], f"Y{float(plain[1][1:]) + 10:.4f}"]
+
+
 # -- tools, endstops -------------------------------------------------------------------------------
 
 
@@ -120,6 +139,25 @@ def test_m61_says_which_tool_g43_means():
         lines(head + "M61 Q2\nT1 M6\nG43\n" + at, "linuxcnc")[-1]
         == (lines(head + at, "linuxcnc")[-1])
     )
+
+
+def test_g43_without_h():
+    """The tool in the spindle on LinuxCNC and grblHAL, no length on Mach3; elsewhere the number
+    that the control has kept."""
+    at = "G0 X0 Y0 Z10\n"
+    for dialect in ("linuxcnc", "linuxcnc-pathpilot", "grblhal"):
+        named = lines("T1 M6\nG43 H1\n" + at, dialect)[-1]
+        for g43 in ("G43", "G43 H0", "G43 H00"):
+            assert lines(f"T1 M6\n{g43}\n" + at, dialect)[-1] == named
+        assert lines("T1.0 M6\nG43\n" + at, dialect)[-1] == named
+    for g43 in ("G43", "G43 H0"):
+        assert lines(f"T1 M6\n{g43}\n" + at, "mach3")[-1] == lines("G49\n" + at, "mach3")[-1]
+    for dialect in ("fanuc-mill", "haas", "centroid"):
+        assert "the control has kept" in refused("T1 M6\nG54 G43 Z5.\nG0 X0. Y0.\n", dialect)
+
+
+def test_a_further_length_upon_one_that_is_not_known():
+    assert "H9 is not stated" in refused("G43 H9\nG43.2 H1\nG0 X0 Y0 Z0\n", "linuxcnc")
 
 
 @pytest.mark.parametrize("word", ["H1", "H2", "h4"])
@@ -189,3 +227,21 @@ def test_a_slash_behind_the_end_is_not_told(cut):
     assert not any(n.code == "block delete" for n in filtered(text, "haas", cut=cut)[0].notices)
     text = "G90 G54 G0 X0. Y0. Z0.\n/M30\n"
     assert any(n.code == "block delete" for n in filtered(text, "haas", cut=cut)[0].notices)
+
+
+def test_a_code_with_a_decimal_is_told_as_it_stands():
+    told = {n.code for n in filtered("M201.1 X500\nM3.0\n", "reprap")[0].notices}
+    assert "M201.1" in told and not {"M2011", "M3", "M30"} & told
+
+
+def test_h_of_a_lathe_counts_degrees_in_inches_too():
+    """Haas: 0.001 degrees and 0.0001 inch; H90000 turned C by 9 degrees under G20."""
+    machine = five_axis()
+    setup = setup_of(machine, start=dict.fromkeys(machine.letters, 0.0))
+    filter_ = Filter(machine, dialects.load("haas-lathe"), setup)
+    seen = []
+    filter_.watchers.append(lambda words, motions, *_: seen.append(motions.target))
+    filter_.feed(b"G20 G0 X0. Z0.\nH90000\nC45000\nW10000\n")
+    goes = {x: seen[0][k] / TICKS_PER_MM for k, x in enumerate(machine.letters)}
+    assert goes["C"].tolist() == [0.0, 90.0, 45.0, 45.0]
+    assert np.diff(goes["Z"]).round(6).tolist() == [0.0, 0.0, 25.4]

@@ -34,7 +34,7 @@ def corrected(text: str, dialect: str, lengths: dict | None = None) -> tuple[str
     return out.decode(), [n.message for n in filter_.notices]
 
 
-@pytest.mark.parametrize("dialect", ["fanuc-mill", "haas", "grblhal"])
+@pytest.mark.parametrize("dialect", ["fanuc-mill", "haas", "mach3"])
 @pytest.mark.parametrize("before", ["", "G43 H1\n", "T2 M6\nG43 H2\n"])
 def test_h0_is_no_length(dialect, before):
     """Fanuc B-64304EN-2, tool length compensation: the value of H0 is always 0; it cancels as G49

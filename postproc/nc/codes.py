@@ -48,10 +48,10 @@ KEYWORDS: list[str] = []  # every keyword that a dialect has named so far, in th
 # G69, G53.1, CYCLE800, PLANE; G12.1, G13.1.
 FRAME_KEYS = (
     "local", "datum shift", "set", "set or off", "set or all", "set zero", "set off", "set back",
-    "data", "length", "length words", "length more", "length minus", "no length", "extended",
-    "fixture", "trans", "atrans", "axis shift", "further axis shift", "no frame", "store", "frame",
-    "numbered", "tip", "tip on", "tip off", "plane", "plane off", "plane align", "swivel",
-    "spatial", "polar on", "polar off",
+    "data", "length", "length by tool", "length or none", "length words", "length more",
+    "length minus", "no length", "extended", "fixture", "trans", "atrans", "axis shift",
+    "further axis shift", "no frame", "store", "frame", "numbered", "tip", "tip on", "tip off",
+    "plane", "plane off", "plane align", "swivel", "spatial", "polar on", "polar off",
 )  # fmt: skip
 # Cycles that are corrected in place: holes, holes that are tapped; an engraving, of which the place
 # and the depth are; threads and single passes, of which only ends are.

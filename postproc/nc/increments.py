@@ -20,10 +20,12 @@ def count_increments(b: Batch) -> None:
     linear = min((places[x] for x in b.rows if x in LINEAR), default=4)
     if b.polar:
         places |= {"Y": places["C"], "C": places["C"]}
-    by_letter = {**places, **{u: places[x] for u, x in b.dialect.increments.items() if x in places}}
+    axis_of = {u: x for u, x in b.dialect.increments.items() if x in places}
+    by_letter = {**places, **{u: places[x] for u, x in axis_of.items()}}
     inch = np.broadcast_to(b.held("units"), b.n) == 200
     for letter in {*by_letter, *"IJKR"}:
         place = words_of(b, letter)
         place = place[~w.pointed[place]]
-        more = inch[w.block[place]] & (letter not in b.rows or b.measured(letter) in LINEAR)
+        axis = axis_of.get(letter, letter)  # H of a lathe is an increment of C: degrees
+        more = inch[w.block[place]] & (axis not in b.rows or b.measured(axis) in LINEAR)
         w.decimals[place] = by_letter.get(letter, linear) + more  # the lexer's copy for this batch

@@ -30,6 +30,11 @@ from postproc.nc.zeros import (
 from postproc.records import replace
 from postproc.units import TICKS_PER_MM
 
+KEPT = (
+    "G43 without H takes the offset number that the control has kept, and which that is is not"
+    " known",
+    "write G43 H with its number",
+)
 UNNAMED = (
     "G43 without H takes the length of the tool in the spindle, and which that is is not known",
     "write the tool's number with T and M6 before it, or G43 H with its number",
@@ -113,26 +118,29 @@ def _not_stated(number: int) -> tuple[str, str]:
     )
 
 
-def length_of(b: Batch, axis_words: AxisWords, word: str, sign: int = 1, add: bool = False) -> None:
+def length_of(
+    b: Batch, axis_words: AxisWords, word: str, sign: int = 1, add: bool = False, bare: str = ""
+) -> None:
     """G43 H: the tool's length shifts the coordinates; H0 is no length (Fanuc B-64304EN-2: "the
-    offset value of H0 is always 0"; Haas likewise). Without H, and with H0 of LinuxCNC (measured):
-    the length of the tool in the spindle."""
-    number = number_of(b, "H")
-    if number is None:
-        # -1 before any M6: no tool has that number, and UNNAMED says the way out
-        number = float(_tool_in_spindle(b))
-    elif number == 0 and b.dialect.local_is_preset:
-        number = _of_h0(b, add)
+    offset value of H0 is always 0"; Haas likewise).
+
+    bare: what G43 without H takes: "tool": as with H0 the length of the tool in the spindle
+    (LinuxCNC as measured; grblHAL, gcode.c, ToolLengthOffset_Enable); "none": no length, "omitting
+    H has the same effect as a zero value" (Using Mach3Mill, G43); "": the number kept by H."""
+    number = _number(b, add, bare)
     if _units_changed(b):
         return
     place = stated_tool(b, "H", int(number)) if number >= 0 else None
-    if number == 0 and (place is None or not b.dialect.local_is_preset):
+    if number == 0 and (place is None or bare != "tool"):
         place = {}
     # (A,) of all axes: a mill's table has Z alone, a turning tool's X and Z
     length = None if place is None else sign * ticks_of(b.setup, place)
     if length is None:
-        b.frame = with_known(b.frame, "length", _not_stated(int(number)) if number > 0 else UNNAMED)
+        unnamed = UNNAMED if bare == "tool" else KEPT
+        b.frame = with_known(b.frame, "length", _not_stated(int(number)) if number > 0 else unnamed)
         return
+    if add and "length" in b.frame.unknown:
+        return  # a further length upon one that is not known
     units = at_first(b, "units")
     length = b.frame.length + length if add else length
     b.frame = with_known(replace(b.frame, length=length, length_units=units, lapsed=()), "length")
@@ -210,9 +218,17 @@ def lapses(b: Batch, letter: str, away: np.ndarray, by: np.ndarray) -> np.ndarra
     return gone
 
 
+def _number(b: Batch, add: bool, bare: str) -> float:
+    """The number whose length G43 takes; -1: no tool has it, as before any M6."""
+    number = number_of(b, "H")
+    if number is None:
+        return {"tool": float(_tool_in_spindle(b)), "none": 0.0}.get(bare, -1.0)
+    return _of_h0(b, add) if number == 0 and bare == "tool" else number
+
+
 def _of_h0(b: Batch, add: bool) -> float:
-    """The tool whose length H0 of LinuxCNC takes: the one in the spindle (G43.2: before the block's
-    own M6, as measured); before any M6 none, which is said."""
+    """The tool whose length H0 of LinuxCNC and grblHAL takes: the one in the spindle (G43.2: before
+    the block's own M6, as measured); before any M6 none, which is said."""
     number = b.state.tool_number if add else _tool_in_spindle(b)
     if number >= 0:
         return float(number)

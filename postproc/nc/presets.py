@@ -35,6 +35,8 @@ def set_place(b: Batch, axis_words: AxisWords, word: str) -> None:
     if not values:
         return
     frame = b.frame
+    if b.dialect.extended_by_p:
+        frame = _without_local(b, values)
     others = work_columns(b)[:, 0] + frame.shift - (frame.preset if frame.preset_on else 0)
     if not frame.preset_on:
         frame = replace(frame, preset=np.zeros_like(frame.preset))
@@ -84,8 +86,21 @@ def set_or_all(b: Batch, axis_words: AxisWords, word: str) -> None:
         b.frame = with_known(b.frame, PART + letter, reason)
 
 
+def _without_local(b: Batch, letters: Iterable[str]) -> Frame:
+    """The frame without what G52 has set of these axes: G92 of an axis takes its local coordinates
+    back (Fanuc B-64484EN-2, "Local coordinate system", notes; NCT 99M, 9.2.4, says the same)."""
+    return replace(b.frame, local=changed(b.frame.local, {b.rows[x]: 0 for x in letters}))
+
+
 def set_zero(b: Batch, axis_words: AxisWords, word: str) -> None:
-    """No shift by G92."""
+    """No shift by G92; where axes are named (G92.1 X0 of Fanuc), none of theirs alone, by G52
+    neither."""
+    named = values_of(b, axis_words) if b.dialect.extended_by_p else {}
+    if named:
+        frame = _without_local(b, named)
+        preset = changed(frame.preset, {b.rows[x]: 0 for x in named})
+        b.frame = known_again(replace(frame, preset=preset), named)
+        return
     frame = replace(b.frame, preset=np.zeros_like(b.frame.preset), preset_on=True)
     if b.dialect.local_is_preset:
         frame = replace(frame, local=np.zeros_like(frame.local))

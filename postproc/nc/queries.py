@@ -61,7 +61,7 @@ def tool_in_use(b: Batch) -> int:
     #   block    T1 M6  T2  M6  T3     M6 brings the last T that is named before it or in its block;
     #   spindle    1     1   2   2     a T behind it makes the next tool ready.
     place, change = b.places.get("T"), b.places.get("M")
-    b.next_tool = b.state.next_tool if place is None else int(b.words.mantissa[place[-1]])
+    b.next_tool = b.state.next_tool if place is None else int(b.numbers(place[-1:])[0])
     if change is None:
         return b.state.tool_number
     if (told := _tool_told(b, change)) is not None:
@@ -72,7 +72,7 @@ def tool_in_use(b: Batch) -> int:
     if place is None:
         return b.state.next_tool
     called = place[b.words.block[place] <= b.words.block[changes[-1]]]
-    return int(b.words.mantissa[called[-1]]) if len(called) else b.state.next_tool
+    return int(b.numbers(called[-1:])[0]) if len(called) else b.state.next_tool
 
 
 def _tool_told(b: Batch, change: np.ndarray) -> int | None:
@@ -84,4 +84,4 @@ def _tool_told(b: Batch, change: np.ndarray) -> int | None:
     if not len(brings) or w.mantissa[brings[-1]] != SET_TOOL:
         return None
     own = number[w.block[number] == w.block[brings[-1]]]
-    return int(w.mantissa[own[0]]) if len(own) else None
+    return int(b.numbers(own[:1])[0]) if len(own) else None

@@ -183,8 +183,9 @@ def m_codes(b: Batch) -> None:
     place = b.places.get("M")
     if place is None:
         return
-    for number in sorted(set(b.words.mantissa[place].tolist())):
-        of = place[b.words.mantissa[place] == number]
+    every = b.numbers(place)  # M201.1 of RepRapFirmware is no M2011
+    for number in sorted(set(every.tolist())):
+        of = place[every == number]
         of = of[[not b.restarts_at(int(i)) for i in of]] if number in b.dialect.restarts else of
         if not len(of):
             continue
@@ -195,8 +196,8 @@ def m_codes(b: Batch) -> None:
             b.foreign[block] = True
             b.reason[block] = b.because(_called(b, int(number)), b.dialect.m_refuses[int(number)])
         elif number not in b.dialect.m_codes and number not in tip_codes(b.dialect, b.setup):
-            said = f"M{number} is not a code of {b.dialect.title}: passed as it is"
-            tell(b, f"M{number}", said, block[0])
+            said = f"M{number:.12g} is not a code of {b.dialect.title}: passed as it is"
+            tell(b, f"M{number:.12g}", said, block[0])
 
 
 def _tool_change(b: Batch, block: np.ndarray) -> None:

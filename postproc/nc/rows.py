@@ -53,6 +53,11 @@ DYNAMIC_CUTTER = rows(
 )
 NO_LENGTH = rows("tool length", {"49": "no tool length"}, does="no length")
 LENGTH = [*NO_LENGTH, *rows("tool length", {"43": "tool length"}, does="length")]
+# where G43 without H, and H0, take the length of the tool in the spindle
+LENGTH_BY_TOOL = [
+    *NO_LENGTH,
+    *rows("tool length", {"43": "tool length"}, does="length by tool"),
+]
 LENGTH_MINUS = rows("tool length", {"44": "tool length, the other way"}, does="length minus")
 LENGTH_WORDS = rows(
     "tool length", {"43.1": "tool length by its words"}, takes=True, does="length words"

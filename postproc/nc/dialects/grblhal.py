@@ -23,7 +23,7 @@ DIALECT = replace(
         *shared.FEED_MODE,
         *shared.SPINDLE,
         *shared.NO_CUTTER,
-        *shared.LENGTH,
+        *shared.LENGTH_BY_TOOL,
         *shared.LENGTH_WORDS,
         *shared.LENGTH_MORE,
         *shared.DATA,

@@ -42,7 +42,7 @@ DIALECT = Dialect(
         *shared.SET_ZERO,
         *shared.SET_OFF,
         *shared.STORE_REFERENCE,
-        *shared.LENGTH,
+        *shared.LENGTH_BY_TOOL,
         *shared.LENGTH_WORDS,
         *shared.LENGTH_MORE,
         *shared.PROBE,
