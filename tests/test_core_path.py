@@ -245,3 +245,44 @@ def test_h_of_a_lathe_counts_degrees_in_inches_too():
     goes = {x: seen[0][k] / TICKS_PER_MM for k, x in enumerate(machine.letters)}
     assert goes["C"].tolist() == [0.0, 90.0, 45.0, 45.0]
     assert np.diff(goes["Z"]).round(6).tolist() == [0.0, 0.0, 25.4]
+
+
+@pytest.mark.parametrize("cut", [False, True])
+def test_what_is_said_of_a_feed_of_rotary_axes_names_its_line(cut):
+    """It named the line of another block where lines without a motion stand before it."""
+    head = "G90 G0 X10 Y1 Z-5 A0 C5\n(one)\nM8\n"
+    said = refused(head + "G1 A50\n", "linuxcnc", machine=five_axis(), cut=cut)
+    assert "<stdin>:4: a feed of rotary axes whose F is not known" in said
+    head = "G90 G0 X10 Y1 Z-5 C5\n(one)\nM8\n"
+    said = refused(head + "G1 A50 F100\n", "linuxcnc", machine=five_axis(), cut=cut)
+    assert said.startswith("<stdin>:4: ")
+
+
+@pytest.mark.parametrize("cut", [False, True])
+def test_a_rotary_axis_that_moves_in_a_tilted_plane_is_told_behind_it_too(cut):
+    """Fed line by line, the blocks behind it were followed in a plane that no longer held."""
+    start = dict.fromkeys("XYZAC", 0.0)
+    plane = "G90 G54 G0 X10. Y1. Z-5. A0. C0.\nG68.2 X5. Y5. Z0. I0. J0. K30.\n"
+    text = plane + "G0 C30.\nG0 X20.\nG69\n"
+    said = refused(text, "fanuc-mill", machine=five_axis(), start=start, cut=cut)
+    assert "a rotary axis moves in a tilted plane" in said
+    # a word that is none of the motion's says nothing
+    plane = plane.replace("K30.", "K30. A-18.")
+    behind = plane + "G1 X20. F100\nG69\n"
+    whole = outcome(behind, cut)
+    assert whole == outcome(behind, not cut)
+
+
+def outcome(text: str, cut: bool) -> list[str] | str:
+    try:
+        return lines(text, "fanuc-mill", machine=five_axis(), start=None, cut=cut)
+    except ProgramError as error:
+        return str(error)
+
+
+@pytest.mark.parametrize("cut", [False, True])
+def test_numbers_without_a_point_are_told_at_the_first(cut):
+    """Y stands before X in the program, and behind it among the axes."""
+    text = "G90 G54 G0 X0. Y5 Z0.\nX20. Y0.\nX30\n"
+    told = [n.line for n in filtered(text, "fanuc-mill", cut=cut)[0].notices if n.code == "integer"]
+    assert told == [1]

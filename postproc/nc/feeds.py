@@ -104,7 +104,7 @@ def _same_time(b: Writing, linear: list[int], beside: list[int], turned: np.ndar
     for i in (turned.any(axis=0) & ~led & shifted).nonzero()[0][:1]:
         axis = b.axes[beside[int(np.argmax(turned[:, i]))]]
         raise BlockFault(
-            int(i),
+            int(m.block[i]),
             f"where {axis} stands before this feed is not known, and so not the time that it takes:"
             " F would be along the corrections of X Y Z",
             f"move {axis} to an absolute position before, or say where it is: --start {axis}0",
@@ -132,7 +132,7 @@ def _ratios(b: Writing, rows: list[list[int]], special: np.ndarray) -> np.ndarra
     other = (kind != now) | (np.abs(ratio - 1.0) > SAME)
     for k in (other & ~(m.feed[motion] > 0)).nonzero()[0][:1]:
         raise BlockFault(
-            int(motion[k]),
+            int(m.block[motion[k]]),
             "a feed of rotary axes whose F is not known as a number: corrections of X Y Z would"
             " change its speed",
             "write F as a number",

@@ -23,6 +23,10 @@ from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 
 STANDS = 1e-4  # rad: closer to its normal a tool stands across the plane
+TURNED = (
+    "a rotary axis moves in a tilted plane without the tool point",
+    "turn it before the plane is called, or let the control turn it across",
+)
 
 
 def plane_on(b: Batch, axis_words: AxisWords, word: str) -> None:
@@ -225,12 +229,10 @@ def refuse_planes(b: Batch, axis_words: AxisWords) -> None:
         return
     words = [p for x in kinematics.rotary for p in axis_words.get(x, ())]
     turning = b.words.block[np.concatenate([every[:0], *words])]
+    turning = turning[~b.taken[turning]]
     if len(turning):
-        b.blame(
-            every[int(turning.min()) :],
-            "a rotary axis moves in a tilted plane without the tool point",
-            "turn it before the plane is called, or let the control turn it across",
-        )
+        b.blame(every[int(turning.min()) :], *TURNED)
+        b.frame = with_known(frame, PLANE, TURNED)  # and so behind this batch
     rotary = [b.rows[x] for x in kinematics.rotary]
     if not b.state.known[rotary].all() or not b.state.position[rotary].any():
         return

@@ -137,15 +137,11 @@ def check_points(b: Batch) -> None:
     if b.dialect.tool_offsets and "T" in b.places:
         _refuse_numbers(b)
     if b.dialect.integer_notice:
-        for letter in b.rows:
-            place = b.places.get(letter)
-            if place is None or b.words.pointed[place].all():
-                continue
-            whole = ~b.words.pointed[place] & (b.words.mantissa[place] != 0)
-            bare = place[whole & ~b.taken[b.words.block[place]]]
-            if len(bare):
-                tell(b, "integer", b.dialect.integer_notice, b.words.block[bare[0]])
-                return
+        place = np.concatenate([words_of(b, letter) for letter in b.rows])
+        whole = ~b.words.pointed[place] & (b.words.mantissa[place] != 0)
+        bare = place[whole & ~b.taken[b.words.block[place]]]
+        if len(bare):
+            tell(b, "integer", b.dialect.integer_notice, b.words.block[bare.min()])
 
 
 def refused_groups(b: Batch) -> None:
