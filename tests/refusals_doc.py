@@ -38,6 +38,7 @@ CALLS = {
 PAIRS = (
     "nc/faults",
     "nc/frames",
+    "nc/planes",
     "nc/presets",
     "nc/zeros",
     "nc/lengths",

@@ -286,3 +286,13 @@ def test_numbers_without_a_point_are_told_at_the_first(cut):
     text = "G90 G54 G0 X0. Y5 Z0.\nX20. Y0.\nX30\n"
     told = [n.line for n in filtered(text, "fanuc-mill", cut=cut)[0].notices if n.code == "integer"]
     assert told == [1]
+
+
+@pytest.mark.parametrize("cut", [False, True])
+def test_a_cycle_without_r_is_told_and_goes_back_however_the_input_is_cut(cut):
+    """The level where the tool stands was kept as an R that nobody wrote, where a block with the
+    cycle's code alone ended a batch."""
+    text = "G90 G54 G0 X0. Y0. Z5.\nG86 Q3.9 F50\nX10. Z-2.\nG99 X20.\nG80\n"
+    filter_, out = filtered(text, "fanuc-mill", cut=cut)
+    assert [n.line for n in filter_.notices if n.code == "without R"] == [3]
+    assert out == lines(text, "fanuc-mill", cut=not cut)

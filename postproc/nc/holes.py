@@ -161,7 +161,7 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
     b.blame(np.concatenate([mixed, relative]), "a cycle that returns to R under G91", _way_out(b))
     after = None
     if mask[-1]:  # it goes on in the next batch
-        held = int(level[-1]) if has_level[-1] else None
+        held = int(level[-1]) if named[-1] else None  # where it stands anew, without R
         deep = int(bottom[-1]) if has_bottom[-1] else None
         after = Cycle(letter, held, deep, cycle.initial, cycle.known, stored, begun, cycle.away)
     return InCycle(
