@@ -20,7 +20,6 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from postproc.nc.expand import Refusal
-from postproc.nc.expand.siemens_cycle import DIAM90
 from postproc.nc.expand.siemens_drilling import CHIP, MOST_STROKES, Drilling
 from postproc.nc.expand.tracker import Tracker, number
 

@@ -21,7 +21,6 @@ from collections.abc import Callable, Iterator
 
 from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_cycle import Cycle, in_diameters
-from postproc.nc.expand.siemens_modal import code_of
 from postproc.nc.expand.tracker import Tracker, number
 
 AXIS = {170: "Z", 180: "Y", 190: "X"}

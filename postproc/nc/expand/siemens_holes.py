@@ -15,7 +15,6 @@ from postproc.nc.expand.siemens_drilling import Drilling, moves
 from postproc.nc.expand.siemens_face import Face
 from postproc.nc.expand.siemens_frames import Frame
 from postproc.nc.expand.siemens_kept import THREADS, Tapping, Thread
-from postproc.nc.expand.siemens_modal import code_of, feed_of, speed_of
 from postproc.nc.expand.siemens_patterns import Pattern
 from postproc.nc.expand.siemens_pockets import Pocket
 from postproc.nc.expand.siemens_removal import NAME as REMOVAL

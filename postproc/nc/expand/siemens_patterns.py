@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from postproc.nc.expand import Refusal
-from postproc.nc.expand.siemens_cycle import Cycle, in_diameters
+from postproc.nc.expand.siemens_cycle import Cycle
 from postproc.nc.expand.tracker import Tracker, number
 
 Place = tuple[float, float]
