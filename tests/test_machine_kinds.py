@@ -201,7 +201,7 @@ def test_a_table_of_one_turn_is_repeated(tmp_path):
 @pytest.mark.parametrize(
     "text, why",
     [
-        (C + 'table = "c.csv"\n', "ends a full turn with another value than it began"),
+        (C + 'table = "c.csv"\n', "ends a full turn of C with another value than it began"),
         (C.replace("C", "C") + "centre = { X = 1.0, U = 2.0 }\n", "centre ="),
         (C + "[location]\nX0C = 5.0\n", "'X0C' is not a key of [location]"),
         (C + "[location]\nZ0C_um = 5.0\n", "'Z0C_um' is not a key"),

@@ -202,8 +202,7 @@ def _check_turn(values: np.ndarray, letter: str, by: str, path: Path) -> None:
     if gap.max() > 0:
         name = f"{COMPONENTS[int(np.argmax(gap))]}{letter}"
         raise MachineError(
-            f"{name} ends a full turn{f' of {by}' if by != letter else ''} with another value than"
-            " it began",
+            f"{name} ends a full turn of {by} with another value than it began",
             "the last node is the first one again",
             Place(str(path), 1),
         )
