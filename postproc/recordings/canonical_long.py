@@ -142,6 +142,8 @@ def _row(names: list[str], cells: list[str], line: int, decimal: str, start: int
     unit = _unit(row["unit"], component)
     sign = way[0] * start if way[1] else way[0]
     time = row.get("time", "")
+    if decimal == "," and text.number(time, decimal) is not None:
+        time = time.replace(",", ".")
     return Row(line, component.name, None, sign, way[1], unit, time, numbers)
 
 

@@ -201,6 +201,12 @@ def test_dates_become_seconds():
     assert_allclose(taken("a.csv", text).columns["t_s"], [0, 30])
 
 
+def test_seconds_may_have_a_decimal_comma():
+    head = "component;axis;target;run;dir;value;unit;time\n"
+    rows = "EZZ;Z;0,0;1;+;0,7;um;0,5\nEZZ;Z;50,0;1;+;3,1;um;12,5\n"
+    assert taken("a.csv", head + rows).columns["t_s"].tolist() == [0.5, 12.5]
+
+
 @pytest.mark.parametrize("kind", [0, 1])
 def test_linuxcnc_files_become_the_deviation_of_the_axis(kind):
     nominal = np.array([-10.0, 0.0, 40.0, 100.0])
