@@ -192,7 +192,8 @@ def _work_offset(
         reason = ask_for(b, name, "work")
     b.offsets = {**b.offsets, **dict.fromkeys((name, *also), place)}
     part = f"data {name}"
-    if reason is None and not set(b.setup.axes) & set("XYZ") <= set(values):
+    told = values if by_place or incremental else place  # one after the other, with Fanuc's words
+    if reason is None and not set(b.setup.axes) & set("XYZ") <= set(told):
         reason = b.frame.unknown.get(part)  # of an axis that this block does not name
     b.frame = with_known(b.frame, part, reason)
 
