@@ -13,6 +13,7 @@ from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine import places
 from postproc.nc import dialects
+from postproc.nc.spellings import respelled
 from postproc.units import TICKS_PER_MM
 from tests.test_unknown_places import mill
 
@@ -296,3 +297,33 @@ def test_a_cycle_without_r_is_told_and_goes_back_however_the_input_is_cut(cut):
     filter_, out = filtered(text, "fanuc-mill", cut=cut)
     assert [n.line for n in filter_.notices if n.code == "without R"] == [3]
     assert out == lines(text, "fanuc-mill", cut=not cut)
+
+
+@pytest.mark.parametrize("word", ["OSD", "OST", "RMB", "PON", "CFC", "SOFT"])
+def test_short_keywords_keep_every_byte_in_its_place(word):
+    """OSD was read as one character and three digits: what stood behind it in the batch was
+    written one character late, X549.999 for X50."""
+    text = "G90 G54 G0 X0 Y0 Z0\n{}\nG1 X50 F100\nX60 Y=IC(5)\n"
+    out = lines(text.format(word), "siemens")
+    assert out.pop(1) == word
+    assert out == lines(text.format("N1"), "siemens")[:1] + lines(text.format("N1"), "siemens")[2:]
+
+
+@pytest.mark.parametrize("dialect", dialects.names())
+def test_every_spelling_of_a_keyword_is_as_long_as_it_is(dialect):
+    grammar = dialects.load(dialect).grammar
+    for word in grammar.keywords:
+        text = word.encode() + b" X5\n"
+        assert len(respelled(text, grammar)) == len(text), word
+
+
+@pytest.mark.parametrize(
+    ("dialect", "text"),
+    [
+        ("siemens", 'T=""'), ("okuma-lathe", "$"), ("okuma", "="), ("fagor", "#"), ("fagor", "$"),
+        ("heidenhain", "C"), ("heidenhain", "B"), ("heidenhain", "7 CY"), ("heidenhain", "IF"),
+    ],
+)  # fmt: skip
+def test_what_is_too_short_for_its_word_keeps_every_byte_in_its_place(dialect, text):
+    code = f"{text}\n".encode()
+    assert len(respelled(code, dialects.load(dialect).grammar)) == len(code)

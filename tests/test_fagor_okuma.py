@@ -261,7 +261,7 @@ def test_where_an_okuma_goes_back_must_stand_in_the_program(program, message):
 
 
 @pytest.mark.parametrize(
-    ("text", "name"), [('name = "warm"', "name"), ("NAME = 5", "NAME"), ("= 5", "="), ("=", "=")]
+    ("text", "name"), [('name = "warm"', "name"), ("NAME = 5", "NAME"), ("= 5", "="), ("= ", "=")]
 )
 def test_a_text_behind_an_equals_sign_is_refused_by_its_name(text, name):
     interpreter = Interpreter(dialects.load("okuma"), SETUP)

@@ -145,8 +145,9 @@ def _line(line: bytes) -> bytes:
 
 
 def _macro(text: bytes, why: str) -> bytes:
-    """The whole line as one word."""
-    return (bytes([MACRO]) + b"%d" % REASON[why]).ljust(len(text))
+    """The whole line as one word; as it is, and so no word, where there is no room for one."""
+    word = bytes([MACRO]) + b"%d" % REASON[why]
+    return word.ljust(len(text)) if len(word) <= len(text) else text
 
 
 def _blank(text: bytes) -> bytes:

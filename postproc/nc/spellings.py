@@ -151,6 +151,9 @@ def _keywords(keywords: tuple[str, ...]) -> tuple[re.Pattern[bytes], dict[bytes,
     read = {
         k.encode(): bytes([KEYWORD_LETTER]) + b"%d" % (code_number(k) - KEYWORD) for k in keywords
     }
+    long = [word for word, number in read.items() if len(number) > len(word)]
+    if long:  # all that stands behind one would be read, and written, beside its place
+        raise ValueError(f"no room for the numbers of the keywords {long}")
     every = b"|".join(re.escape(k) for k in sorted(read, key=len, reverse=True))
     return re.compile(rb"(?<![A-Za-z_$])(" + every + rb")" + ARGUMENTS, re.IGNORECASE), read
 
@@ -165,7 +168,7 @@ def _blank(match: re.Match[bytes]) -> bytes:
 def _named(match: re.Match[bytes]) -> bytes:
     """A tool with a name is some tool; what else has a name is no number."""
     if match[0][:1].upper() == b"T":
-        return b"T9999".ljust(len(match[0]))
+        return b"T9999"[: len(match[0])].ljust(len(match[0]))
     return b" " * len(match[0])
 
 
@@ -194,6 +197,8 @@ def _macro(number: int, match: re.Match[bytes]) -> bytes:
     kept, text = match[0][: begin - match.start()], match[0][begin - match.start() :]
     blank = text[: len(text) - len(text.lstrip())]
     word = bytes([MACRO]) + (b"%d" % number if number else b"")
+    if len(word) > len(text) - len(blank):  # no room for it: it is no word of this control
+        return match[0]
     return kept + blank + word.ljust(len(text) - len(blank))
 
 

@@ -55,6 +55,10 @@ _OTHERS = (
     " REPOSH TRAFOOF TRANSMIT TRACYL TRAANG TRAORI CYCLE800 CYCLE832 SETMS MEAS MEAW FGROUP"
 )
 _KEYWORDS = ("TRANS", "ATRANS", *f"{_FRAMES} {_SOLID} {_OTHERS} {_CYCLES} {_QUIET}".split())
+# A keyword is read as a character and its number, in its own place: short ones need small numbers,
+# and so come first.
+for _word in sorted(_KEYWORDS, key=len):
+    codes.code_number(_word)
 
 DIALECT = Dialect(
     name="siemens",
