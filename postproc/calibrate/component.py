@@ -230,15 +230,13 @@ def build(series: list[Series], options: Options) -> Component:
         raise CalibrationError(
             f"{one.component} has {len(cells.nodes)} target", "two at least", Place(one.file, 1)
         )
-    # All that is done to the means is linear: gaps filled, a line taken off, zero at the datum. So
-    # one matrix leads from the means as read to the values as written, and their variances follow
-    # by the same matrix: a value that the datum fixes has none.
+    # All that is done to the means is linear, so one matrix leads from the means as read to the
+    # values as written, and their variances follow by it: a value that the datum fixes has none.
     k = len(cells.nodes)
     ways = 2 if cells.two_way else 1
     mean = cells.mean[:ways].ravel()
     fill, filled = _fill(cells)
-    # (K, 2K): mean of both directions
-    both = np.hstack([np.eye(k)] * 2) / 2 if ways == 2 else np.eye(k)
+    both = np.hstack([np.eye(k)] * 2) / 2 if ways == 2 else np.eye(k)  # (K, 2K): their mean
     zero, datum = _datum(cells.nodes, one.letter, options)
     line = _line(cells.nodes, options.line)
     lined = one.straight and not options.keep_lines

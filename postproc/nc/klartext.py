@@ -37,16 +37,14 @@ SIDELESS = (
 )
 GOES_ON = "no statement begins so; where it goes on a comment (~), --expand joins them"
 SETS = "it sets data of the control: set them before the program, and take the block out"
-# why a statement can not be followed; a MACRO says the number, from 1
-REASONS = (
+REASONS = (  # why a statement can not be followed; a MACRO says the number, from 1
     codes.CALL, EXPAND_PATH, codes.WRITE_OUT, codes.UNTURNED, codes.TILTED, codes.TOOL_POINT,
     codes.PROBE, DATUM, LONGER, ALONG, SETS, codes.TRANSFORM, codes.CURVE, SUM, VALUES, PARAXIAL,
     GOES_ON, SIDELESS, codes.FRAME,
 )  # fmt: skip
 REASON = {why: number for number, why in enumerate(REASONS, 1)}
 COMMA = re.compile(rb"(?<=[0-9]),(?=[0-9])")
-# the block number has no letter: 12 L X+10
-HEAD = re.compile(rb"[ \t]*(/[ \t]*)?(?:[0-9]+(?=[ \t\r*;]|\Z)[ \t]*)?")
+HEAD = re.compile(rb"[ \t]*(/[ \t]*)?(?:[0-9]+(?=[ \t\r*;]|\Z)[ \t]*)?")  # a number alone: 12 L
 WORD = re.compile(rb"Q[LRS]?[0-9]+[ \t]*=|[A-Z]+|\*")
 PRESET = re.compile(rb"Q339[ \t]*=[ \t]*[+]?[ \t]*[0-9]+[ \t\r]*\Z")
 SIDE = re.compile(rb"[ \t]R(?:([0LR])(?![A-Z0-9.+-])|(?=[ \t\r]|\Z))")  # with a number: a radius
@@ -104,8 +102,7 @@ JOIN_DATA = re.compile(
 )
 LEAVES = b"G40G30" + bytes(BARE + AXES.index(x) for x in "XY")  # beside PE by the tool's radius
 LEAVES_Z = LEAVES + bytes([BARE + AXES.index("Z")])
-# without C, which begins an arc
-PARAXIALS = (b"X", b"Y", b"Z", b"A", b"B", b"U", b"V", b"W")
+PARAXIALS = (b"X", b"Y", b"Z", b"A", b"B", b"U", b"V", b"W")  # without C, which begins an arc
 Z_ALONE = bytes([BARE + AXES.index("Z")])
 
 
