@@ -56,8 +56,7 @@ MACHINE = re.compile(rb"(?<![A-Z])M[ \t]*0*91(?![0-9])")
 TO_LIMIT = re.compile(
     rb"(?<![A-Z])M[ \t]*0*140[ \t]+MB[ \t]*MAX\b(?:[ \t]*F[ \t]*(?:MAX|[0-9.]+))?"
 )
-# F of M103 is a percentage, that of M128 the highest feed of compensating motions: none of a path.
-# HEIDENHAIN TNC 640 user's manual: L X+20 Y+20 RL F500 M103 F20.
+# F of M103 is a share, of M128 a limit: of no path (TNC 640: L X+20 Y+20 RL F500 M103 F20).
 OWN_FEED = r"(?<=M103|M128)[ \t]*F[ \t]*(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
 NOT_OF_PATH = re.compile(OWN_FEED.encode())
 BUILDER = re.compile(rb"(?<![A-Z])M[ \t]*0*92(?![0-9])")
