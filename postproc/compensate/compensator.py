@@ -263,12 +263,12 @@ EVERY: tuple[Callable[[Batch], None], ...] = (
     limits.refuse, limits.refuse_turning_arcs, limits.check_unknown, limits.check_pole,
     cutter.tell, Batch.strokes, limits.check_inside, limits.check_poses, Batch.approach,
     Batch.ends, holes.settle, Batch.starts, Batch.settle_ends, _tell_held,
-    Batch.spread_reversals, leading.lead_beyond, limits.check_ended_poses, threads.say,
-    limits.tell_orientation, limits.tell_play,
+    Batch.spread_reversals, leading.lead_beyond, leading.tell, limits.check_ended_poses,
+    threads.say, limits.tell_orientation, limits.tell_play,
 )  # fmt: skip
 OF_LINES = (
     Batch.strokes, limits.check_inside, Batch.approach, Batch.ends, Batch.starts,
-    Batch.settle_ends, leading.lead_beyond,
+    Batch.settle_ends, leading.lead_beyond, leading.tell,
 )  # fmt: skip
 
 

@@ -19,8 +19,9 @@ from postproc.compensate.approach import hold_last, last_way
 from postproc.compensate.columns import Columns
 from postproc.compensate.increments import increments, rounded
 from postproc.compensate.inverse import command
+from postproc.errors import Notice
 from postproc.flags import any_of
-from postproc.units import TICKS_PER_MM, in_mm
+from postproc.units import TICKS_PER_MM, UM, in_mm
 
 NEAR = 1e-3  # of a stroke, along which its direction is looked at
 
@@ -67,6 +68,31 @@ def lead_beyond(b: Columns) -> None:
     back = np.where(out, b.weight_begin.take(rows, axis=0), 0).astype(np.int64)
     course = np.stack((first, back, then), 2).reshape(len(rows), -1)
     b.way[rows] = hold_last(course, course != 0, b.way[rows])[:, -1]
+
+
+def tell(b: Columns) -> None:
+    """Notice: how far a slide goes beyond where it turns, where forward lies beyond reverse.
+    Dead travel is taken up without the slide, this is not."""
+    rows = b.c.followed[b.c.overshoots[b.c.followed]]
+    if not (len(rows) and any_of(b.turning)):
+        return
+    side = b.weight_begin.take(rows, axis=0)
+    before, *on_the_way = (x.take(rows, axis=0) for x in (b.before, b.begin, b.beyond))
+    past = np.maximum(*((before - place) * side for place in on_the_way)) * b.turning
+    row, stroke = np.unravel_index(np.argmax(past), past.shape)
+    most = float(past[row, stroke]) / TICKS_PER_MM
+    if most > 2 * b.c.hysteresis:
+        letter = b.machine.letters[rows[row]]
+        b.notices.append(
+            Notice(
+                "beyond",
+                f"{letter} goes up to {most / UM:.1f} um beyond its place where it turns, since its"
+                " forward lies beyond its reverse: what is cut there bears a mark (--reversal off"
+                " spreads the reversal over the block instead)",
+                int(b.motion[stroke]),
+                size=most,
+            )
+        )
 
 
 def waiting(b: Columns, stroke: np.ndarray) -> np.ndarray:
