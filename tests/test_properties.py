@@ -264,7 +264,7 @@ def test_the_verifier_agrees(machines, name, mode, data):
 
 # -- everything that is not a coordinate survives --------------------------------------------------
 
-COMMENT = re.compile(rb"\([^)]*\)")
+COMMENT = re.compile(rb"\([^)\n]*\)")
 MOVED = re.compile(rb"[XYZUVWIJKR][-+.\d]+|G0?[0123](?![.\d])|G0?[0123]\.0*(?!\d)")
 LATE = re.compile(rb"M0*(?:[0125]|9|30|60)(?!\d)")
 
