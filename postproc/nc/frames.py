@@ -172,30 +172,30 @@ def _work_offset(
         return
     also = _named_too(b, name, p)
     old = next((place for x in (name, *also) if (place := stated(b, x)) is not None), None)
-    reason = None
+    reason, part, frame = None, f"data {name}", b.frame
+    every = set(b.setup.axes) & set("XYZ")
     place = dict(old or {})
     incremental = b.dialect.extended_by_p and at_first(b, "distance") == 910
     for letter, (value, is_inc) in values.items():
-        row = b.rows[letter]
+        row, lost = b.rows[letter], None
         # position = work + shift + coordinate, solved for the work offset
         if by_place:
             if not b.state.known[row]:
-                reason = (f"G10 L20 sets {name} from where {letter} stands, and that is not known",
-                          f"say where it stands: --start {letter}0")  # fmt: skip
+                lost = (f"G10 L20 sets {name} from where {letter} stands, and that is not known",
+                        f"say where it stands: --start {letter}0")  # fmt: skip
             value = int(b.state.position[row]) - value - int(b.frame.shift[row])
         elif incremental or is_inc:  # Fanuc: under G91 the words are added
             value = value + round(place.get(letter, 0.0) * TICKS_PER_MM)
         place[letter] = value / TICKS_PER_MM
+        frame = with_known(frame, f"{part} {letter}", lost)  # of this axis alone
     if by_place:
         note_presets(b, axis_words, values)
-    if old is None and (set(values) < set(b.setup.axes) & set("XYZ") or incremental):  # the rest
+    if old is None and (set(values) < every or incremental):  # the rest
         reason = ask_for(b, name, "work")
+    elif not every <= set(place):
+        reason = frame.unknown.get(part)
     b.offsets = {**b.offsets, **dict.fromkeys((name, *also), place)}
-    part = f"data {name}"
-    told = values if by_place or incremental else place  # one after the other, with Fanuc's words
-    if reason is None and not set(b.setup.axes) & set("XYZ") <= set(told):
-        reason = b.frame.unknown.get(part)  # of an axis that this block does not name
-    b.frame = with_known(b.frame, part, reason)
+    b.frame = with_known(frame, part, reason)
 
 
 def _named_too(b: Batch, name: str, p: int) -> tuple[str, ...]:
