@@ -327,3 +327,14 @@ def test_every_spelling_of_a_keyword_is_as_long_as_it_is(dialect):
 def test_what_is_too_short_for_its_word_keeps_every_byte_in_its_place(dialect, text):
     code = f"{text}\n".encode()
     assert len(respelled(code, dialects.load(dialect).grammar)) == len(code)
+
+
+def test_a_fault_behind_a_motion_at_a_stop_names_its_own_line():
+    """Line 5: it was told of line 2, and nothing before it was delivered."""
+    machine = places.load("example-router")
+    filter_ = Filter(machine, dialects.load("marlin"), setup_of(machine))
+    text = b"G28\nG1 Y46.836\nG1 X50.31\n;A\nG0 Y-18\n"
+    with pytest.raises(ProgramError) as told:
+        filter_.feed(text)
+        filter_.finish()
+    assert told.value.place.line == 5

@@ -212,21 +212,34 @@ class Compensator(Settings):
         are left as they are, one after the other, since each changes where the next one begins."""
         parts, notices, first, size = [], [], 0, FEW
         while first < len(motions):
-            one = motions.part(first, min(first + size, len(motions)))
-            b = self._worked_out(one, carry, span)
-            hit = limits.at_stop(b)
-            if hit[0]:
-                one = one.part(0, 1)
-                b = self._worked_out(replace(one, alone=one.alone | True), carry, span)
-                b.notices.append(Notice("stop", limits.AT_STOP, 0, counts=(1,)))
-            elif hit.any():
-                one = one.part(0, int(hit.argmax()))
-                b = self._worked_out(one, carry, span)
-            pieces, carry, more = self._finished(b, carry)
+            try:
+                pieces, carry, more, done, stops = self._to_a_stop(
+                    motions, first, size, carry, span
+                )
+            except MotionFault as fault:
+                fault.motion += first
+                raise
             parts.append(_counted_on(pieces, first, motions))
             notices += [replace(n, line=n.line + first) for n in more]
-            first, size = first + len(one), FEW if hit.any() else 2 * size
+            first, size = first + done, FEW if stops else 2 * size
         return joined(parts), carry, notices
+
+    def _to_a_stop(
+        self, motions: Motions, first: int, size: int, carry: Carry, span: tuple[float, float]
+    ) -> tuple[Pieces, Carry, list[Notice], int, bool]:
+        """The next motions from `first` on, `size` at most, up to one that leads beyond a stop, or
+        such a one alone; how many they are, and whether there is such a one."""
+        one = motions.part(first, min(first + size, len(motions)))
+        b = self._worked_out(one, carry, span)
+        hit = limits.at_stop(b)
+        if hit[0]:
+            one = one.part(0, 1)
+            b = self._worked_out(replace(one, alone=one.alone | True), carry, span)
+            b.notices.append(Notice("stop", limits.AT_STOP, 0, counts=(1,)))
+        elif hit.any():
+            one = one.part(0, int(hit.argmax()))
+            b = self._worked_out(one, carry, span)
+        return *self._finished(b, carry), len(one), bool(hit.any())
 
     def _finished(self, b: Batch, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         """The pieces of a batch that is worked out."""
