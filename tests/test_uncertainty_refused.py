@@ -119,3 +119,13 @@ def test_uncertainties_of_an_axis_that_there_is_not_are_refused(tmp_path):
         MachineError, match=r"Q_uncertainty.csv is of no axis of the machine[\s\S]*axes: X Y Z"
     ):
         machine(tmp_path, Q_uncertainty="Q_mm,EXQ_um\n0,1\n1,1\n")
+
+
+def test_an_uncertainty_far_from_a_worn_stretch_is_none_that_has_no_meaning(tmp_path):
+    """exp of -5000 is 0, which is no reason to refuse the machine that gcomp wrote itself."""
+    worn = (
+        '[[effect]]\nname = "backlash_position"\naxis = "X"\nb0_um = 0.0126\nb1_um = 0\nb2_um = 0\n'
+        "play_mm = 0\ndegree = 0\nworn_um = 3.3\nworn_mm = -400.0\nwide_mm = 10.0\nflank = 0\n"
+        "u_b0_um = 0.0657\nu_worn_um = 1.2\nu_wide_mm = 1.0\n"
+    )
+    assert machine(tmp_path / "m", MILL + worn).effects[0].spread

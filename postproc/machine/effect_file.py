@@ -96,7 +96,7 @@ def _spread(entry: Section, term: EffectTerm, axes: dict[str, Axis], name: str) 
         there = term.parameters | {name: term.parameters[name] + 2 * share * u}
         try:
             # a period of zero, a root of less: there the effect has no meaning
-            with np.errstate(all="raise"):
+            with np.errstate(all="raise", under="ignore"):
                 found = _applied(term.module, term.axis, axes, there, term.measured)
         except (ArithmeticError, ValueError):
             raise entry.fault(
