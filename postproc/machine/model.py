@@ -93,7 +93,7 @@ class Machine(Stated):
         plays = np.zeros((2, len(self.letters)))
         for letter in (x for x in XYZ if x in self.letters):
             own, grids = XYZ.index(letter), self.grids_of[letter]
-            nodes = np.unique(np.concatenate(self.knots.get(letter, [np.zeros(1)])))
+            nodes = np.concatenate(self.knots.get(letter, [np.zeros(1)]))
             play = np.zeros((2, len(nodes)))
             for table in self._playing[letter]:
                 play -= 2 * table.half_of(own, nodes)
@@ -101,7 +101,7 @@ class Machine(Stated):
             # them. Second axes stand where they like, each where its own grids take the most.
             for other in {grid.other for grid in grids}:
                 same = [grid for grid in grids if grid.other == other]
-                places = np.unique(np.concatenate([grid.others for grid in same]))
+                places = np.concatenate([grid.others for grid in same])
                 by = np.zeros((len(nodes), len(places)))
                 for grid in same:
                     by -= 2 * grid.half_of(own, nodes[:, None], places)

@@ -16,6 +16,7 @@ NO_CASE: dict[str, str] = {
     "the axis * in a polynomial": (
         "wants a machine with an axis beside X Y Z; A is no axis of the one here"
     ),
+    "* along * in diameters": ELSEWHERE,
     "* begins no word": ELSEWHERE,
     "* brings back what * has changed, which is not followed": ELSEWHERE,
     "* brings the * back, and none was named before": ELSEWHERE,
@@ -25,9 +26,13 @@ NO_CASE: dict[str, str] = {
     "* in a block that makes no hole": ELSEWHERE,
     "* in an arc": ELSEWHERE,
     "* is an axis, not a string": ELSEWHERE,
+    "* is cut to a whole number, and is one but for rounding": ELSEWHERE,
     "* is expected here": ADVICE,
     "G16 in G90 without *, behind a pole set in G91": ELSEWHERE,
     "X is a diameter within *": ELSEWHERE,
+    "* of a direction has no decimal point, and others have one": ELSEWHERE,
+    "* with D0, which has no radius": ELSEWHERE,
+    "a pole or polar words while X is a diameter": ELSEWHERE,
     "a comment is opened and not closed in its line, or opened twice": ELSEWHERE,
     "a corner has a size above 0": ADVICE,
     "a corner, and then more than words and numbers": ELSEWHERE,

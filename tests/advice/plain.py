@@ -50,6 +50,7 @@ TEXT = [
     Case(L, "\xff\xfeG\x000\x00 \x00X\x002\x000\x00.\x00", "G0 X20."),
 ]
 WORDS = [
+    mill(M, "G43 G0 Z5.", "G43 H1 G0 Z5.", how={"offsets": LONG}),
     lathe("G1 W1. Z3.", "G1 Z3."),
     lathe("G1 Z30. I5.", "G1 Z30."),
     lathe("G1 X9999999.", "G1 X99.99999"),
