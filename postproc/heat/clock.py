@@ -173,10 +173,11 @@ def _durations(
         # G93: F is blocks per minute
         took = np.where(motions.inverse, 60.0 / motions.feed, length / feed)
     # the block's own way is the rapid to the hole; then down and up
-    took[motions.holes.motion] += rapid[motions.holes.motion] + _down(motions, feed, rates.velocity)
+    took[motions.holes.motion] = rapid[motions.holes.motion] + _down(motions, feed, rates.velocity)
     at_feed = bool(rates.dialect.carried) & np.isfinite(took)  # printers run G0 with F
     took = np.where((motions.code == RAPID) & ~at_feed, rapid, took)
     moves = (way.max(axis=0, initial=0.0) > 0) | (motions.code == HOLE)
+    moves[arcs.motion] = True  # a whole circle ends where it begins
     # a motion without F takes no time by this clock, and is counted: FOREIGN ones no clock knows
     bad = ~np.isfinite(took) & moves & (motions.code != FOREIGN)
     return np.where(np.isfinite(took) & (motions.code != FOREIGN), took, 0.0), int(bad.sum())

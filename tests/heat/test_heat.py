@@ -106,6 +106,24 @@ def test_the_clock_by_hand(tmp_path):
     assert (found.begin[3] - found.end[2]) / clock.MICRO == pytest.approx(7.0)
 
 
+def test_the_way_to_a_hole_is_a_rapid(tmp_path):
+    """100 mm of X at 12000 mm/min 0.5 s; 6 mm down at F100 3.6 s, and up at 6000 mm/min 0.06 s:
+    the way to the hole was counted at the feed too (64.2 s a hole)."""
+    record = written(tmp_path, "t_s,T_scale_X_C", "0,20", "9999,20")
+    f = filter_of(machine(tmp_path), "--temperatures", record)
+    head = "G21 G90 G54\nG0 X0 Y0 Z5\n"
+    found, _ = times(f, f"{head}G81 X100 Z-5 R1 F100\nX200\nG80\n")
+    took = (found.end - found.begin) / clock.MICRO
+    assert took[1:] == pytest.approx([0.5 + 3.6 + 0.06, 0.5 + 3.6 + 0.06], abs=0.05)
+
+
+def test_a_whole_circle_without_a_feed_is_counted(tmp_path):
+    """It ends where it begins, and was thought to go nowhere."""
+    record = written(tmp_path, "t_s,T_scale_X_C", "0,20", "9999,20")
+    f = filter_of(machine(tmp_path), "--temperatures", record)
+    assert times(f, "G21 G90 G54\nG0 X0 Y0 Z5\nG2 X0 Y0 I10\n")[1].without == 1
+
+
 def test_a_dwell_of_a_time_that_is_not_known_takes_none(tmp_path):
     """It says none, or one that can only be in another unit."""
     record = written(tmp_path, "t_s,T_scale_X_C", "0,20", "9999,20")
