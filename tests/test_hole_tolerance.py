@@ -207,3 +207,37 @@ def test_distances_behind_a_hole_without_r_count_from_where_the_tool_stood(tmp_p
     filter_.feed(text.encode())
     filter_.finish()
     assert verifier.passed, verifier.report()
+
+
+def judged(bend_um: float, cycle: str, wrong: bytes) -> Verifier:
+    """The verifier of two holes, the first of which X came to `wrong`."""
+    m = mill(bend_um)
+    filter_ = Filter(m, dialects.load("fanuc-mill"), setup_of(m), Options(tolerance=0.0005))
+    verifier = Verifier(filter_)
+    right = f"X{10 - bend_um / 1000:.4f}".encode()
+
+    def damaged(words, motions, pieces, output, line):
+        assert output.count(right) == 1
+        verifier.check(words, motions, pieces, output.replace(right, wrong), line)
+
+    filter_.watchers[:] = [damaged]
+    filter_.feed(
+        f"G21 G90 G17\nM3 S500\nG0 X0. Y0. Z50.\n{cycle} X10. Y10. Z-40. R2. F100\nX20.\nG80\n"
+        "G0 Z50.\n".encode()
+    )
+    filter_.finish()
+    return verifier
+
+
+@pytest.mark.parametrize(
+    "bend_um,cycle,wrong",
+    [
+        (0.2, "G81", b"X9.9950"),  # 4.8 um off, within the tolerance of holes
+        (4.0, "G84", b"X9.9000"),  # 96 um off: a tap has no tolerance
+        (40.0, "G84", b"X9.9580"),
+    ],
+)
+def test_no_hole_may_be_farther_off_than_its_axis_bends(bend_um, cycle, wrong):
+    right = f"X{10 - bend_um / 1000:.4f}".encode()
+    assert judged(bend_um, cycle, right).passed
+    assert not judged(bend_um, cycle, wrong).passed

@@ -14,8 +14,10 @@ import pytest
 
 from postproc.commands.outcome import verified_by
 from postproc.compensate import Options
+from postproc.errors import GcompError
 from postproc.filter import Filter, setup_of
 from postproc.machine import places
+from postproc.machine.file import read_machine
 from postproc.nc import dialects
 from postproc.nc.shifted import Way
 from postproc.units import UM
@@ -301,3 +303,24 @@ def test_where_forward_lies_beyond_reverse_the_last_command_says_the_side():
     filter_.feed(b"G21 G90\nG0 X40. Z100.\nG1 X60. F100\nZ140.\nM2\n")
     filter_.finish()
     assert 9 * UM < verifier.corrected.deviation < 11 * UM, verifier.report()
+
+
+@pytest.mark.parametrize("wrong", [b"C35", b"C30.002", b"C-30"])
+def test_a_rotary_axis_that_is_sent_elsewhere_is_an_error(wrong):
+    """Nothing corrects C, so no distance from the path tells of it: 5 degrees passed."""
+    m = read_machine(ROOT / "machines" / "example-five-axis")
+    program = "G21 G90 G54\nG0 X0 Y0 Z0 A0 C0\nG1 X20 C10 F500\nX40 C30\nX41 C40\nM2\n"
+    assert verified(m, program, b"C30", b"C30.000").passed
+    with pytest.raises(GcompError, match=f":4: the output sends C to {wrong.decode()[1:]}, and"):
+        verified(m, program, b"C30", wrong)
+
+
+@pytest.mark.parametrize("reversal", ["off", "ramp"])
+def test_a_spread_reversal_lets_no_more_pass_than_the_reversal(tmp_path, reversal):
+    """5 um of backlash, and a place 1 mm off: it passed, as these modes were only measured."""
+    m = machine(tmp_path / "m", backlash("X", 5), X=BENT)
+    program = "G0 X0 Y0 Z0\nG1 X50 F500\nX100\nX20\nM2\n"
+    assert verified(m, program, reversal=reversal).passed
+    for wrong in (b"X101.0000", b"X100.0100"):
+        verifier = verified(m, program, b"X100.0025", wrong, reversal=reversal)
+        assert not verifier.passed and verifier.let_pass < 7.1 * UM

@@ -62,6 +62,15 @@ class Machine(Stated):
     def lateral(self) -> float:
         """mm: by how much the sides of all axes together can move the others: straightness and
         angles measured both ways."""
+        return self._of_sides(own=False)
+
+    @cached_property
+    def reversals(self) -> float:
+        """mm: by how much the sides of all axes together can move the tip."""
+        return self._of_sides(own=True)
+
+    def _of_sides(self, own: bool) -> float:
+        """mm that the sides of all axes together can do; own: along themselves as well."""
         tables = [(x, t.half) for x, t in self.every_table]
         tables += [(grid.letter, grid.half.reshape(6, -1)) for grid in self.grids]
         # A rotation of the slide counts with its longest arm (at_tip). What all axes can do is
@@ -69,8 +78,8 @@ class Machine(Stated):
         total = 0.0
         for x, half in tables:
             size = 2 * np.abs(half).max(axis=1)
-            # its own motion is no side of it: `least_play` is about that
-            size[3 + ROTARY.index(x) if x in ROTARY else along(x)] = 0.0
+            if not own:  # `least_play` is about that
+                size[3 + ROTARY.index(x) if x in ROTARY else along(x)] = 0.0
             total += self.bounds.at_tip(x, size)
         return total
 

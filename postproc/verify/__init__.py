@@ -33,6 +33,7 @@ from postproc.units import TICKS_PER_MM
 from postproc.verify.distance import PLACES, all_known, points_of
 from postproc.verify.figures import Figures
 from postproc.verify.holes import holes_of
+from postproc.verify.kept import begins_of, misplaced
 from postproc.verify.largest import Largest
 from postproc.verify.machines import Machines, Warm
 from postproc.verify.turning import Turning
@@ -104,6 +105,9 @@ class Verifier(Figures):
             self.threads.update(line[motions.code == THREAD].tolist())
             if self.trace:
                 self.trace.begin(words, motions, line, first_line)
+            if found := misplaced(self.machine, motions, pieces, back, self.oriented):
+                at = self._near(words, motions, pieces, found[0], first_line)
+                raise GcompError(found[1], REPORT_IT, at)
             self._measure_both(motions, back, pieces, line)
             if self.trace:
                 self.trace.end(words, pieces, output, lexed.line[back.block])
@@ -135,11 +139,7 @@ class Verifier(Figures):
         paths, slides = 0 * every + PATH, (own, own)
         self._measure(motions, every, 0 * one, one, motions, slides, line, self.uncorrected, paths)
         owner = pieces.motion
-        #     nominal motion  0 ----- 0.4 -------- 1     shares of the pieces, added up: of what
-        #     pieces             0.4   |    0.6          part of the motion each stands
-        begin = np.cumsum(pieces.share) - pieces.share
-        first = np.concatenate([[True], owner[1:] != owner[:-1]])
-        begin -= begin[first][np.cumsum(first) - 1]
+        begin = begins_of(pieces)
         ends = np.where(self.slides.has_play(pieces.start, pieces.end), END, NOTHING)
         # PATH: every place of it; END: a take-up, of which the slides alone count, where it has
         # brought them; NOTHING: a piece that was left as written, or a take-up after which nothing
@@ -219,10 +219,10 @@ class Verifier(Figures):
                     lengths = run.length[:, hole.of] / TICKS_PER_MM
                     self.map.see(hole.command, weight, lengths, line[0 * hole.of + motion])
                 off = self.machines.deviation(run, (hole.of, hole.t), hole.command, weight)
-                deep, aside = hole.off(hole.command + off, list(self.machine.corrected))
+                deep, aside, bend = hole.off(hole.command + off, list(self.machine.corrected))
                 if hole.row in self.machine.corrected:
                     ends.take(deep, int(line[motion]), bool(slides))
-                (taps if hole.tap else axes).take(aside, int(line[motion]), bool(slides))
+                (taps if hole.tap else axes).take(aside, int(line[motion]), bool(slides), bend)
 
     def _measure(
         self,

@@ -48,25 +48,33 @@ class Figures:
         return float(self.settings.allowed(np.array(self.grid)))
 
     @property
+    def spread(self) -> float:
+        """mm: what axes that turn back may leave at most until their reversal is taken up."""
+        return self.machine.reversals if self.follows else 0.0
+
+    @property
     def let_pass(self) -> float:
         """mm, where the largest deviation is."""
-        return self.allowed + self.corrected.aside
+        by_choice = self.spread if self.mode in ("ramp", "off") else 0.0
+        return self.allowed + self.corrected.aside + by_choice
 
     @property
     def passed(self) -> bool:
-        """Whether the output keeps the tolerance; ramp and off spread reversals by choice, and are
-        only measured, as is what stays inside cutter radius compensation, where nothing may be put
-        in: there it must not get worse."""
+        """Whether the output keeps the tolerance; ramp and off spread reversals by choice, and
+        leave no more than these. What stays inside cutter radius compensation, where nothing may be
+        put in, is only measured: there it must not get worse. A hole and a tap may stay off by what
+        their axis bends, beyond what may be left anywhere."""
         self.centre.finish()
         centre = self.centre
         # where nothing may be put in, an axis that turns back leaves what it left before: not worse
         # is enough
         better = centre.corrected.deviation <= max(self.allowed, centre.uncorrected.deviation)
         # rounding of words is let pass as for the rest: allowed less tolerance
-        holes = self.holes.deviation <= self.hole_tolerance + self.allowed - self.tolerance
-        return better and (
-            self.mode in ("ramp", "off") or (holes and self.corrected.rest <= self.allowed)
-        )
+        by_choice = self.spread if self.mode in ("ramp", "off") else 0.0
+        most = self.hole_tolerance + self.allowed - self.tolerance + by_choice
+        holes = self.holes.deviation <= most
+        holes &= max(self.holes.rest, self.taps.rest) <= self.allowed + self.spread
+        return bool(better and holes and self.corrected.rest <= self.allowed + by_choice)
 
     @property
     def blind(self) -> bool:

@@ -20,7 +20,7 @@ class Hole:
     """One hole. row: of its axis; motion: number of the nominal one; tap: whether it is one; of, t
     (K,): motion of the run and place in it; command (A, K) mm; sense: -1 or +1, of the way down;
     target (A, 1) mm: the nominal one; bottom mm: nominal place of the bottom less that of the
-    target."""
+    target; place: whether the cycle goes to its place, else the axes stand there already."""
 
     row: int
     motion: int
@@ -31,6 +31,7 @@ class Hole:
     sense: float
     target: np.ndarray
     bottom: float
+    place: bool
 
     def weights(self, led: Led) -> Iterator[np.ndarray]:
         """(A, K) with which sides each place is reached: by the direction last commanded, and with
@@ -41,13 +42,15 @@ class Hole:
             weight[self.row] = self.sense
             yield weight
 
-    def off(self, actual: np.ndarray, rows: list[int]) -> tuple[float, float]:
+    def off(self, actual: np.ndarray, rows: list[int]) -> tuple[float, float, float]:
         """mm: of actual places (A, K) the bottom along the axis, and the farthest sideways in
-        `rows`."""
+        `rows`; and how far off that may be since the axis bends while one place holds: half the
+        diagonal of the box around it, and all of it where the axes stood at its top before."""
         off = actual - self.target
         deep = float(off[self.row, -1] - self.bottom)
         off[self.row] = 0.0
-        return abs(deep), float(np.linalg.norm(off[rows], axis=0).max())
+        bend = float(np.linalg.norm(np.ptp(off[rows], axis=1))) / (2 if self.place else 1)
+        return abs(deep), float(np.linalg.norm(off[rows], axis=0).max()), bend
 
 
 def holes_of(machine: Machine, nominal: Motions, run: Motions) -> Iterator[Hole]:
@@ -58,10 +61,13 @@ def holes_of(machine: Machine, nominal: Motions, run: Motions) -> Iterator[Hole]
     counts = all_known(machine, nominal.target_known)[holes.motion] & ~nominal.alone[holes.motion]
     for k in np.flatnonzero(counts):
         row, motion = int(holes.axis[k]), int(holes.motion[k])
-        # 32 places between R and the bottom, and the bottom itself as the last one (`off`)
-        t = np.concatenate([PLACES[:32], [1.0]])
-        command = np.repeat(run.target[:, [drilled.motion[k]]] / TICKS_PER_MM, len(t), axis=1)
         top, bottom = drilled.level[k] / TICKS_PER_MM, drilled.bottom[k] / TICKS_PER_MM
+        nodes = np.concatenate([[top], *machine.knots.get(machine.letters[row], [])])
+        nodes = (nodes - top) / ((bottom - top) or 1.0)
+        # 32 places between R and the bottom, R and the nodes between, where it bends, and the
+        # bottom itself as the last one (`off`)
+        t = np.concatenate([PLACES[:32], nodes[(nodes >= 0) & (nodes < 1)], [1.0]])
+        command = np.repeat(run.target[:, [drilled.motion[k]]] / TICKS_PER_MM, len(t), axis=1)
         command[row] = top + (bottom - top) * t
         yield Hole(
             row,
@@ -73,4 +79,5 @@ def holes_of(machine: Machine, nominal: Motions, run: Motions) -> Iterator[Hole]
             float(np.sign(bottom - top)),
             nominal.target[:, [motion]] / TICKS_PER_MM,
             (holes.bottom[k] - nominal.target[row, motion]) / TICKS_PER_MM,
+            bool(holes.place[k]),
         )
