@@ -281,23 +281,25 @@ def tell(b: Columns) -> None:
         )
     known = inside[np.isfinite(b.m.radius[inside]) & (b.m.radius[inside] != 0)]
     if len(known):
-        radius = float(np.abs(b.m.radius[known[0]]))
+        widest = int(known[np.argmax(np.abs(b.m.radius[known]))])
+        radius = float(np.abs(b.m.radius[widest]))
         b.notices.append(
             Notice(
                 "centre",
                 f"inside G41 G42 the map is read at the tool's centre, {radius:g} mm beside each"
                 " block; at corners, around which it turns, wrong by"
                 f" {2 * radius * steep / UM:.2f} um at most",
-                int(known[0]),
+                widest,
+                radius,
             )
         )
     if b.machine.two_way.any():
-        half = max((float(np.abs(t.half[:3]).max()) for _, t in b.machine.every_table), default=0.0)
+        most = max(float(b.machine.widest_play.max()), b.machine.lateral)
         b.notices.append(
             Notice(
                 "beside",
                 "inside G41 G42 nothing is put in: where an axis turns back its reversal of up to"
-                f" {2 * half / UM:.1f} um is spread over the block",
+                f" {most / UM:.1f} um is spread over the block",
                 int(inside[0]),
             )
         )
