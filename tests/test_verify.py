@@ -324,3 +324,15 @@ def test_a_spread_reversal_lets_no_more_pass_than_the_reversal(tmp_path, reversa
     for wrong in (b"X101.0000", b"X100.0100"):
         verifier = verified(m, program, b"X100.0025", wrong, reversal=reversal)
         assert not verifier.passed and verifier.let_pass < 7.1 * UM
+
+
+@pytest.mark.parametrize("on", ["G41 D1", "G41.1 D6"])
+def test_at_a_contour_whose_centre_is_not_followed_it_must_not_get_worse(tmp_path, on):
+    """Where the radius or the place of an axis is not known: 1 mm off passed. The map is off by up
+    to 106 um there."""
+    m = machine(tmp_path / "m", "[squareness]\nC0Y = 300\n", X="X_mm,EXX_um\n-500,0\n500,200\n")
+    program = f"G0 X-20 Y-20 Z0\n{on}\nG1 X0 Y0 F500\nY30\nX30\nY0\nX0\nG40 G1 X-20 Y-20\nM2\n"
+    right = b"Y0X29.8940" if on == "G41 D1" else b"Y0X29.8934"
+    assert verified(m, program).passed and verified(m, program, right, right).passed
+    wrong = verified(m, program, right, b"Y0X30.9000")
+    assert not wrong.passed and 0.1 < wrong.as_written.deviation < wrong.at_contour.deviation

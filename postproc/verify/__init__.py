@@ -136,10 +136,7 @@ class Verifier(Figures):
         every, one = np.arange(len(motions)), np.ones(len(motions))
         self._leave(motions)
         led, own = self.slides.run(back), self.nominal_slides.run(motions)
-        paths, slides = 0 * every + PATH, (own, own)
-        self._measure(motions, every, 0 * one, one, motions, slides, line, self.uncorrected, paths)
-        owner = pieces.motion
-        begin = begins_of(pieces)
+        owner, begin = pieces.motion, begins_of(pieces)
         ends = np.where(self.slides.has_play(pieces.start, pieces.end), END, NOTHING)
         # PATH: every place of it; END: a take-up, of which the slides alone count, where it has
         # brought them; NOTHING: a piece that was left as written, or a take-up after which nothing
@@ -153,8 +150,12 @@ class Verifier(Figures):
         followed = self.centre.check(motions, back, pieces, ends * self.follows, line)
         # inside G41 G42 the words are the contour's: what was followed there is measured along the
         # centre
-        inside = (motions.cutter != FREE)[owner]
-        for into, of in ((self.corrected, ~inside), (self.at_contour, inside & ~followed[owner])):
+        inside = motions.cutter != FREE
+        beside, both = inside & ~followed, (own, own)
+        for into, of in ((self.uncorrected, every >= 0), (self.as_written, beside)):
+            some = np.where(of, PATH, NOTHING)
+            self._measure(motions, every, 0 * one, one, motions, both, line, into, some)
+        for into, of in ((self.corrected, ~inside[owner]), (self.at_contour, beside[owner])):
             some = np.where(of, counts, NOTHING)
             self._measure(motions, owner, begin, end, back, (own, led), line, into, some)
         self._measure_holes(motions, motions, own, line, *[self.uncorrected] * 3)
@@ -242,8 +243,7 @@ class Verifier(Figures):
         known = all_known(self.machine, run.target_known)
         known &= all_known(self.machine, nominal.target_known)[owner] & ~nominal.alone[owner]
         known &= ~self.left[owner]
-        # a rapid that was cut has one end
-        # only the last piece of a rapid has the end that counts
+        # a rapid that was cut has one end: only its last piece has the end that counts
         known &= (run.code != HOLE) & ((run.code != RAPID) | (t1 > 1.0 - 1e-9))
         whole = (
             all_known(self.machine, run.start_known)
@@ -314,7 +314,7 @@ class Verifier(Figures):
                 )
                 on_path = (nominal_curved, owner[row], t)
                 distance = self._distance(nominal, on_path, actual, path[row], bool(slides))
-                if self.trace and not slides:
+                if self.trace and not slides and into is not self.as_written:
                     nominal_at = points_of(nominal, nominal_curved, owner[row], t)
                     places = (nominal_at, command, actual, distance)
                     self._trace(run, row, (owner[row], t), places, weights[0], into, path[row])

@@ -32,8 +32,8 @@ class Figures:
         # how far axes of holes stay off sideways, whose cycle holds its place
         self.holes, self.taps = Largest(), Largest()
         self.map = AlongPath(self.machine)
-        # inside cutter radius compensation, where the centre is not followed
-        self.at_contour = Largest()
+        # inside cutter radius compensation, where the centre is not followed; the same uncorrected
+        self.at_contour, self.as_written = Largest(), Largest()
         self.centre = CentreVerifier(self.machine, self.follows)
         self.oriented = filter_.options.orientation and bool(self.machine.chain.rotary)
         self.tips = False  # whether any motion was one of the tip
@@ -68,7 +68,13 @@ class Figures:
         centre = self.centre
         # where nothing may be put in, an axis that turns back leaves what it left before: not worse
         # is enough
-        better = centre.corrected.deviation <= max(self.allowed, centre.uncorrected.deviation)
+        better = all(
+            now.deviation <= max(self.allowed, before.deviation)
+            for now, before in (
+                (centre.corrected, centre.uncorrected),
+                (self.at_contour, self.as_written),
+            )
+        )
         # rounding of words is let pass as for the rest: allowed less tolerance
         by_choice = self.spread if self.mode in ("ramp", "off") else 0.0
         most = self.hole_tolerance + self.allowed - self.tolerance + by_choice
