@@ -30,10 +30,11 @@ from postproc.pieces import Pieces
 from postproc.slides import Led, Slides
 from postproc.trace import Trace
 from postproc.units import TICKS_PER_MM
+from postproc.verify import kept
 from postproc.verify.distance import PLACES, all_known, points_of
 from postproc.verify.figures import Figures
 from postproc.verify.holes import holes_of
-from postproc.verify.kept import begins_of, misplaced
+from postproc.verify.kept import begins_of
 from postproc.verify.largest import Largest
 from postproc.verify.machines import Machines, Warm
 from postproc.verify.turning import Turning
@@ -105,9 +106,8 @@ class Verifier(Figures):
             self.threads.update(line[motions.code == THREAD].tolist())
             if self.trace:
                 self.trace.begin(words, motions, line, first_line)
-            if found := misplaced(self.machine, motions, pieces, back, self.oriented):
-                at = self._near(words, motions, pieces, found[0], first_line)
-                raise GcompError(found[1], REPORT_IT, at)
+            near = lambda piece: self._near(words, motions, pieces, piece, first_line)  # noqa: E731
+            kept.check(self.machine, motions, pieces, back, self.oriented, near)
             self._measure_both(motions, back, pieces, line)
             if self.trace:
                 self.trace.end(words, pieces, output, lexed.line[back.block])

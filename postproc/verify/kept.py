@@ -3,8 +3,11 @@ rotary ones above all, of which no distance from the path tells."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
+from postproc.errors import GcompError, Place
 from postproc.machine.model import Machine
 from postproc.motions import Motions
 from postproc.pieces import Pieces
@@ -23,13 +26,18 @@ def begins_of(pieces: Pieces) -> np.ndarray:
     return result
 
 
-def misplaced(
-    machine: Machine, nominal: Motions, pieces: Pieces, run: Motions, oriented: bool
-) -> tuple[int, str] | None:
-    """A piece, as the motions of a run read it, that sends an axis that nothing corrects elsewhere
-    by more than an increment, and what is said of it: rotary axes at every place, since they turn
-    evenly along each motion, the others at the ends. oriented: rotary axes are corrected where
-    words are places of the tip."""
+def check(
+    machine: Machine,
+    nominal: Motions,
+    pieces: Pieces,
+    run: Motions,
+    oriented: bool,
+    near: Callable[[int], Place],
+) -> None:
+    """Raises GcompError for a piece, as the motions of a run read it, that sends an axis that
+    nothing corrects elsewhere by more than an increment: rotary axes at every place, since they
+    turn evenly along each motion, the others at the ends. oriented: rotary axes are corrected where
+    words are places of the tip; near: where in the program a piece belongs."""
     owner, t = pieces.motion, begins_of(pieces) + pieces.share
     corrected = [bool(space and (space.polar or oriented)) for space in nominal.spaces]
     counts = ~nominal.alone[owner] & ~np.array(corrected)[nominal.space[owner]]
@@ -48,5 +56,8 @@ def misplaced(
         for k in np.flatnonzero(known & (off > nominal.grid[row, owner] + 1))[:1].tolist():
             sent, wanted = run.target[row, k] / TICKS_PER_MM, should[k] / TICKS_PER_MM
             letter = machine.letters[row]
-            return k, f"the output sends {letter} to {sent:g}, and the program to {wanted:g}"
-    return None
+            raise GcompError(
+                f"the output sends {letter} to {sent:g}, and the program to {wanted:g}",
+                "this is an error of gcomp: please report the program",
+                near(k),
+            )
