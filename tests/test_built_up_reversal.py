@@ -109,3 +109,19 @@ def test_an_axis_that_rests_follows_the_others_whichever_way_it_has_wound_up(tmp
     steps = "\n".join(f"Y{y}" for y in range(10, 250, 10))
     verifier = verified(read_machine(folder), f"G0 X0 Y0 Z0\nG1 X20 F500\nX10\nX30\n{steps}\nM2\n")
     assert verifier.corrected.deviation < 1.0 * UM
+
+
+@pytest.mark.parametrize("lean_urad", [-60.0, 60.0])
+def test_an_axis_that_rests_follows_the_others_where_a_reversal_is_spread(tmp_path, lean_urad):
+    """The same with 6 um of backlash and --reversal off: X was held as far on as it had come while
+    it had to give way by 14 um (14 um left where the program alone says the side, which passed)."""
+    folder = tmp_path / "m"
+    shutil.copytree(ROOT / "machines" / "perfect", folder)
+    effect = '[[effect]]\nname = "backlash"\naxis = "X"\nsize_um = 6.0\n'
+    with open(folder / "machine.toml", "a") as file:
+        file.write(f"\n[squareness]\nC0Y = {lean_urad}\n{effect}")
+    for steps in (["Y240"], [f"Y{y}" for y in range(10, 250, 10)]):
+        for way in (("X10", "X30"), ("X50", "X30")):
+            text = "\n".join(["G0 X0 Y0 Z0", "G1 X20 F500", *way, *steps, "M2"]) + "\n"
+            verifier = verified(read_machine(folder), text, reversal="off")
+            assert verifier.passed and verifier.corrected.deviation < 6.1 * UM

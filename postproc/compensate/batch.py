@@ -257,9 +257,10 @@ class Batch(Columns):
         if any_of(rapid):  # axes that rest may be left beside their places by all of the tolerance
             resting = np.maximum((self.travel[self.rows] == 0).sum(axis=0), 1)
             self.hold[rapid] = (self.c.inner / np.sqrt(resting) * TICKS_PER_MM)[rapid]
-        # A slide that keeps its side is not moved back. Where lost motion builds up over a travel
-        # the side does not tell: only the program's own motion is taken to turn such an axis.
-        keeps = self.machine.two_way & (self.c.reach == 0)
+        # A slide that keeps its side is not moved back. Where lost motion builds up over a travel,
+        # and in mode off, the side does not tell: there only the program's own motion is taken to
+        # turn an axis.
+        keeps = self.machine.two_way & (self.c.reach == 0) & (self.c.mode != "off")
         self.bound = keeps[:, None] & ~self.flipped & self.sure
         if isinstance(self.machine, TipMachine):
             self.bound &= self.machine.direct[:, None]
