@@ -15,6 +15,8 @@ from postproc.compensate import Compensator, Options
 from postproc.effects import State, windup
 from postproc.machine.file import read_machine
 from postproc.units import TICKS_PER_MM, UM
+from tests.test_lost_motion import backlash
+from tests.test_lost_motion import machine as bent_machine
 from tests.test_verify import verified
 
 ROOT = Path(__file__).parent.parent
@@ -125,3 +127,14 @@ def test_an_axis_that_rests_follows_the_others_where_a_reversal_is_spread(tmp_pa
             text = "\n".join(["G0 X0 Y0 Z0", "G1 X20 F500", *way, *steps, "M2"]) + "\n"
             verifier = verified(read_machine(folder), text, reversal="off")
             assert verifier.passed and verifier.corrected.deviation < 6.1 * UM
+
+
+@pytest.mark.parametrize("reversal", ["step", "off", "ramp", "mean"])
+def test_a_cut_behind_a_hole_begins_where_it_belongs(tmp_path, reversal):
+    """Behind the holes Z stands where it was sent at X 0, 20 um beside its place at X 100: with
+    --reversal off it was led from there along the whole cut (20 um left at its begin)."""
+    bent = "X_mm,EZX_um\n-400,0\n0,0\n100,20\n400,20\n"
+    m = bent_machine(tmp_path / "m", backlash("X", 3), X=bent)
+    text = "G0 X0 Y0 Z20\nG81 X50 Z1 R10 F500\nX100\nG80\nG1 X90\nX0\nM2\n"
+    verifier = verified(m, text, reversal=reversal, hole_tolerance=0.05)
+    assert verifier.passed and verifier.corrected.deviation < 3.1 * UM

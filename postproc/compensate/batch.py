@@ -221,7 +221,7 @@ class Batch(Columns):
         may differ."""
         self.turning = self.cutting & self.known_before
         if self.c.mode in ("mean", "off"):
-            self.turning &= ~self.sure & (self.t0 == 0) & (self.c.mode == "mean")
+            self.turning &= ~self.sure & (self.t0 == 0)
         else:
             self.turning &= np.logical_or.reduce(self.flipped, axis=0) | ~self.sure
         self.wanted = self.before
