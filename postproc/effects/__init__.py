@@ -150,6 +150,8 @@ def temperature_rise(state: State, axis: str, tau_s: float, by_travel: float = 0
     measured = state.channel(f"T_screw_{axis}_C", f"T_scale_{axis}_C")
     if tau_s == 0 and measured is not None:
         return measured - measured[first_timed(state)]
+    if tau_s == 0 and not by_travel:
+        return np.zeros(len(state))  # by its temperature, and nobody recorded it
     if not by_travel:
         return 1.0 - np.exp(
             -np.maximum(state.time - state.time[first_timed(state)], 0.0) / max(tau_s, 1.0)

@@ -62,10 +62,11 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    if not state.channels["spindle_rpm"].any():
+    speed = np.abs(state.channels["spindle_rpm"])  # counter-clockwise a log may write it below zero
+    if not speed.any():
         return []
-    fastest = float(state.channels["spindle_rpm"].max())
-    several = len(np.unique(state.channels["spindle_rpm"])) > 2  # beside standing still
+    fastest = float(speed.max())
+    several = len(np.unique(speed)) > 2  # beside standing still
     powers = (1.0, 5 / 3) if several else (1.0,)
     ways = [(v, h, p) for v in grid(300.0, 4800.0, 4) for h in (0.0, LATER * v) for p in powers]
     if state.channel(*PLACES) is not None:

@@ -76,7 +76,7 @@ def coefficients(
     third_um: float = 0.0,
     third_s: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
-    shape = {"t_s": t_s} | {
-        name: t for name, t in (("second_s", second_s), ("third_s", third_s)) if t
-    }
-    return np.array([jump_um, second_um, third_um][: len(shape)]), shape
+    jumps = [(jump_um, "t_s", t_s)]
+    later = ((second_um, "second_s", second_s), (third_um, "third_s", third_s))
+    jumps += [one for one in later if one[2]]
+    return np.array([jump for jump, _, _ in jumps]), {name: t for _, name, t in jumps}

@@ -151,7 +151,7 @@ def _of_runs(state: State, life: float) -> tuple[np.ndarray, np.ndarray, np.ndar
     """(N,) age of the edge as a share of its life, how far it has broken in, and 1 for the first
     tool, of runs of a gauge; elsewhere 0."""
     age, quick, old = np.zeros(len(state)), np.zeros(len(state)), np.zeros(len(state))
-    rpm = _channel(state, "spindle_rpm")
+    rpm = np.abs(_channel(state, "spindle_rpm"))
     for own in _gauged(state):
         _, number = np.unique(state.run[own], return_inverse=True)
         cut = np.ones(number.max() + 1)
