@@ -18,7 +18,8 @@ from postproc.recordings import Recording, RecordingError
 
 APART = 20.0  # mm between two lines: nearer, a rotation of 10 urad differs by less than 0.2 um
 CELLS, FEWEST_CELLS = 24, 4  # of a travel; those in which lines lie apart
-NONE_ELSEWHERE = ("spindle_rpm", "part", "wall", "material", "bore", "hole")
+TURNED = ("A_deg", "B_deg", "C_deg")
+NONE_ELSEWHERE = ("spindle_rpm", "part", "wall", "material", "bore", "hole", *TURNED)
 
 
 def of(recordings: list[Recording], machine: Machine) -> Rows:

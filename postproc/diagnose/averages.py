@@ -88,13 +88,25 @@ def _means(columns: Columns, edges: np.ndarray) -> Columns:
         ):
             result[name] = np.full(len(edges), value[0])
         elif name != "width":
-            mean = np.add.reduceat(value, edges, axis=0)
-            result[name] = mean / (size if value.ndim == 1 else size[:, None])
+            result[name] = _mean(name, value, edges, size)
     result["inside"] = _inside(columns, edges, size)
     if step > 0:
         resolved = RESOLVED / (float(step) * float(np.median(size)))
         result["fast_hz"] = fast_lines(columns["time"], columns["y"], float(step), resolved)
     return result
+
+
+def _mean(name: str, value: np.ndarray, edges: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """(M,) or (M, K) means from edge to edge; of a slow sensor, which is read once in many samples,
+    of those in which it was."""
+    mean: np.ndarray = np.add.reduceat(value, edges, axis=0)
+    mean = mean / (size if value.ndim == 1 else size[:, None])
+    if not name.startswith("channel ") or np.isfinite(mean).all():
+        return mean
+    known = np.isfinite(value)
+    number = np.add.reduceat(known.astype(float), edges)
+    whole = np.add.reduceat(np.where(known, value, 0.0), edges)
+    return np.where(number > 0, whole / np.maximum(number, 1.0), np.nan)
 
 
 def fast_lines(time: np.ndarray, y: np.ndarray, step_s: float, above_hz: float) -> list[float]:

@@ -95,10 +95,11 @@ def _motions(recording: Recording, axis: str, signal: str) -> list[Motion]:
     run = recording.columns.get("run", np.zeros(len(time)))
     response = recording.columns[signal]
     asked = recording.columns.get(f"{axis}_cmd_velocity_mm_s")
-    cut = np.flatnonzero((np.diff(run) != 0) | (np.diff(time) <= 0)) + 1
+    known = np.isfinite(response)  # an empty cell costs its sample, not the whole passage
+    cut = np.flatnonzero((np.diff(run) != 0) | (np.diff(time) <= 0) | (np.diff(known) != 0)) + 1
     result: list[Motion] = []
     for part in np.split(np.arange(len(time)), cut):
-        if len(part) < 20 or not np.isfinite(response[part]).all() or np.ptp(response[part]) == 0:
+        if len(part) < 20 or not known[part].all() or np.ptp(response[part]) == 0:
             continue
         step = float(np.median(np.diff(time[part])))
         place = recording.columns.get(f"{axis}_act_mm", recording.position(axis))[part]

@@ -1,4 +1,4 @@
-"""Rows in the order of time, and from which side each place was reached."""
+"""Rows in the order of time, from which side each place was reached, and the numbers of parts."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from postproc.recordings import Recording, RecordingError
 
 # of the steps within runs: then it is no disorder but a column that runs the other way
 BACKWARDS = 0.9
+# of the samples of a motion have the time of the one before: it was written too coarsely for them
+COARSE = 0.05
 AGAINST = 0.2  # of the steps of each way may contradict their sign of approach
 
 
@@ -57,6 +59,22 @@ def by_time(recording: Recording) -> tuple[Recording, np.ndarray, str]:
             f" {int(recording.lines.min()) + first + 1}): they were put in order"
         )
         time, run = recording.columns["t_s"], recording.columns.get("run", np.zeros(len(time)))
+    copy = _copies(recording, time, run)
+    alike = np.count_nonzero((np.diff(time) == 0) & (np.diff(run) == 0) & ~copy[1:])
+    if recording.kind != "targets" and alike > COARSE * len(time):
+        # there a row that is as the one before is a sample of an axis that rests
+        said = f"{alike} samples have the time of the one before: they are taken at even distances"
+        spread = replace(recording, columns=recording.columns | {"t_s": _spread(time, run)})
+        return spread, recording.lines[:0], "; ".join(filter(None, [notice, said]))
+    return (
+        (recording.pick(~copy), recording.lines[copy], notice)
+        if copy.any()
+        else (recording, recording.lines[copy], notice)
+    )
+
+
+def _copies(recording: Recording, time: np.ndarray, run: np.ndarray) -> np.ndarray:
+    """(N,) bool: rows that are the same in every column as the one before."""
     copy = np.concatenate([[False], (np.diff(time) == 0) & (np.diff(run) == 0)])
     for value in recording.columns.values() if copy.any() else ():
         same = value[1:] == value[:-1]
@@ -64,11 +82,27 @@ def by_time(recording: Recording) -> tuple[Recording, np.ndarray, str]:
             # two empty fields are the same reading, too: NaN == NaN is false
             same = same | (np.isnan(value[1:]) & np.isnan(value[:-1]))
         copy[1:] &= same
-    return (
-        (recording.pick(~copy), recording.lines[copy], notice)
-        if copy.any()
-        else (recording, recording.lines[copy], notice)
-    )
+    return copy
+
+
+def _spread(time: np.ndarray, run: np.ndarray) -> np.ndarray:
+    """(N,) s: times that were written too coarsely for their samples: of each run on a line where
+    that is as good as they are written, else evenly from one time to the next."""
+    result = time.astype(float)
+    for own in np.split(np.arange(len(time)), np.flatnonzero(np.diff(run) != 0) + 1):
+        stamps, at, many = np.unique(time[own], return_inverse=True, return_counts=True)
+        if len(stamps) < 2:
+            continue
+        step = float(np.median(np.diff(stamps)))
+        number = np.arange(len(own))
+        line = np.polyval(np.polyfit(number, time[own], 1), number)
+        if np.abs(line - time[own]).max() < step:
+            result[own] = line
+            continue
+        gap = np.minimum(np.append(np.diff(stamps), step), step)
+        first = np.cumsum(many) - many
+        result[own] = time[own] + (gap / many)[at] * (number - first[at])
+    return result
 
 
 def _order(time: np.ndarray, run: np.ndarray) -> np.ndarray:
@@ -140,3 +174,31 @@ def _from_steps(way: np.ndarray) -> np.ndarray:
         if result[k] == 0:
             result[k] = result[k - 1]
     return result
+
+
+def parts(names: np.ndarray) -> np.ndarray:
+    """(N,) numbers of parts: their own, 0 where none is written; where one of them is no number
+    they are counted from 1 in the order in which they come."""
+    said = [str(name).strip() for name in names]
+    own = _own_numbers(said)
+    if own is not None:
+        return own
+    each = {name: float(k) for k, name in enumerate(dict.fromkeys(said), 1)}
+    return np.array([each[name] for name in said])
+
+
+def _own_numbers(said: list[str]) -> np.ndarray | None:
+    try:
+        numbers = np.array([float(name or 0) for name in said])
+    except ValueError:
+        return None
+    return None if np.isinf(numbers).any() else np.nan_to_num(numbers)
+
+
+def named_parts(names: np.ndarray) -> str:
+    """What is told of parts that have names; "" where they have numbers."""
+    said = [str(name).strip() for name in names]
+    if _own_numbers(said) is not None:
+        return ""
+    each = [f"{name} = {k}" for k, name in enumerate(list(dict.fromkeys(said))[:3], 1)]
+    return f"parts have names: they are counted in the order of the rows, {', '.join(each)}"

@@ -131,6 +131,8 @@ class _Check:
         self._numbers()
         self._sensors()
         if self.r.kind == "features":
+            if said := order.named_parts(self.r.columns.get("part", np.zeros(0))):
+                self.note(said)
             return self._enough()
         self._ordered()
         self._travel()

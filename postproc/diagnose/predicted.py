@@ -63,7 +63,8 @@ def _moving(rows: Rows, axis: str) -> np.ndarray:
 def deviation_at(machine: Machine, state: State) -> np.ndarray:
     """(3, N) mm of the machine's model; axes that were not recorded stand at zero."""
     n = len(state)
-    position = np.stack([state.position.get(x, np.zeros(n)) for x in machine.letters])
+    places = {x: state.channels.get(f"{x}_deg", np.zeros(n)) for x in machine.letters}
+    position = np.stack([(places | state.position)[x] for x in machine.letters])
     approach = np.stack([state.approach.get(x, np.zeros(n)) for x in machine.letters])
     deviation = machine.deviation(position, approach)
     result = np.zeros((3, n))

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from postproc import effects
-from postproc.diagnose import creep, rounding
+from postproc.diagnose import creep, order, rounding
 from postproc.diagnose.averages import Columns, averaged, together
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
@@ -62,7 +62,8 @@ def _common(recording: Recording) -> dict[str, np.ndarray]:
             columns[f"channel {name}"] = values
     if "line" in recording.columns and recording.columns["line"].dtype != object:
         columns["channel program_line"] = recording.columns["line"]
-    return columns
+    turned = (x for x in recording.axes if x not in XYZ)
+    return columns | {f"channel {x}_deg": recording.position(x) for x in turned}
 
 
 def _targets(recording: Recording, machine: Machine) -> Iterator[Signal]:
@@ -383,10 +384,7 @@ def _features(recording: Recording, machine: Machine) -> Iterator[Signal]:
         columns[f"{x} other"] = np.where(turned, np.nan, middle - size / 2)
         # A wall is reached from the inside of a pocket or a bore, from the outside of a boss.
         columns[f"{x} approach"] = np.where(size > 0, [INSIDE.get(str(k), 0.0) for k in kind], 0.0)
-    part = recording.columns.get("part", np.ones(n))
-    columns["channel part"] = np.array(
-        [float(p) if str(p).replace(".", "").isdigit() else 0.0 for p in part]
-    )
+    columns["channel part"] = order.parts(recording.columns.get("part", np.ones(n)))
     columns["channel material"] = np.where(turned, 0.0, [MATERIAL.get(str(k), 0.0) for k in kind])
     columns["channel wall"] = np.where(turned, 1.0, [-MATERIAL.get(str(k), 0.0) for k in kind])
     holes = np.array([float(k == "bore_diameter") for k in kind])

@@ -1,0 +1,153 @@
+"""Cells that are empty, times that are coarse, parts with names, axes that turn, a spindle that
+turns the other way: what recordings hold is used, whichever way it is written."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from postproc import effects, recordings
+from postproc.diagnose import assembly, drive, plausibility
+from postproc.diagnose.analysis import diagnose
+from postproc.effects import State
+from postproc.machine.file import read_machine
+
+MACHINES = Path(__file__).parents[2] / "machines"
+MILL = read_machine(MACHINES / "example-mill")
+
+
+def recording(kind: str, columns: dict[str, list], *head: str, machine: str = "example-mill"):
+    """From columns of cells as they are written."""
+    lines = [f'# format = "gcomp-recording/1"\n# kind = "{kind}"\n# machine = "{machine}"']
+    lines += [f"# {line}" for line in head] + [",".join(columns)]
+    lines += [",".join(str(c) for c in row) for row in zip(*columns.values(), strict=True)]
+    return recordings.read(recordings.Source("a.csv", "\n".join([*lines, ""]).encode()))
+
+
+def trace(n: int, step: float, decimals: int = 4, lag_s: float = 0.0, **more: list):
+    """X to and fro over 40 mm, late by so much."""
+    t = np.arange(n) * step
+    x, v = 50 + 20 * np.sin(4 * t), 80 * np.cos(4 * t)
+    noise = np.random.default_rng(0).normal(0, 1e-4, n)
+    columns = {
+        "run": [1] * n,
+        "t_s": [f"{a:.{decimals}f}" for a in t],
+        "X_cmd_mm": [f"{a:.5f}" for a in x],
+        "X_act_mm": [f"{a:.5f}" for a in x - lag_s * v + noise],
+    }
+    return recording("trace", columns | more)
+
+
+def test_a_temperature_that_is_read_once_in_a_hundred_samples_is_known_in_a_long_trace():
+    n = 12000
+    warm = [f"{20 + 5 * k / n:.3f}" if k % 100 == 0 else "" for k in range(n)]
+    found = assembly.of([trace(n, 0.01, T_screw_X_C=warm)], MILL).state
+    assert found.channels["T_screw_X_C"].max() == pytest.approx(25.0, abs=0.1)
+    assert found.channels["T_screw_X_C"].min() == pytest.approx(20.0, abs=0.1)
+
+
+def test_times_with_two_decimals_tell_the_lag_of_a_log_of_a_kilohertz():
+    d = diagnose([trace(3000, 0.001, decimals=2, lag_s=0.002)], MILL)
+    (finding,) = d.findings
+    assert finding.block.key == "servo_lag:X"
+    assert finding.value["tau_ms"] == pytest.approx(2.0, abs=0.05)
+    assert any("at even distances" in said for said in d.notices)
+
+
+def test_times_with_a_pause_are_spread_on_either_side_of_it():
+    moved = trace(1000, 0.001, decimals=2)
+    times = moved.columns["t_s"] + np.where(np.arange(1000) < 500, 0.0, 3.0)
+    late = replace(moved, columns=moved.columns | {"t_s": times})
+    steps = np.diff(plausibility.checked([late], MILL).recordings[0].columns["t_s"])
+    assert np.median(steps) == pytest.approx(0.001) and steps.min() > 0
+    assert np.flatnonzero(steps > 0.1).tolist() == [499]
+
+
+def test_an_empty_cell_costs_a_force_one_sample():
+    t = np.arange(6000) * 0.002
+    force = 30 * np.sign(np.cos(4 * t)) + np.random.default_rng(1).normal(0, 1, 6000)
+    cells = ["" if k == 3210 else f"{f:.3f}" for k, f in enumerate(force)]
+    (found,) = drive.drives([trace(6000, 0.002, force_X_N=cells)])
+    assert [f.term.name for f in found.fitted] == ["coulomb_friction"]
+
+
+@pytest.mark.parametrize(
+    ("names", "numbers"),
+    [
+        (["3", "4", "5"], [3.0, 4.0, 5.0]),
+        (["3", "", "5"], [3.0, 0.0, 5.0]),
+        (["A1", "A2", "A3"], [1.0, 2.0, 3.0]),
+        (["1.2.3", "1.2.4", "x"], [1.0, 2.0, 3.0]),
+        (["2", "2b", "\N{SUPERSCRIPT TWO}"], [1.0, 2.0, 3.0]),
+    ],
+)
+def test_parts_have_numbers_or_are_counted(names, numbers):
+    n = len(names)
+    columns = {
+        "feature": ["F"] * n, "kind": ["pocket_size"] * n, "axis": ["X"] * n,
+        "nominal_mm": [40] * n, "measured_mm": [40.01] * n, "part": names, "reading": [1] * n,
+    }  # fmt: skip
+    usable = plausibility.checked([recording("features", columns)], MILL)
+    assert assembly.of(usable.recordings, MILL).state.channels["part"].tolist() == numbers
+    counted = numbers == [1.0, 2.0, 3.0]
+    assert any("parts have names" in said for said in usable.notices) is counted
+
+
+@pytest.mark.parametrize("angle", [0.0, 90.0])
+def test_a_machine_says_what_readings_are_where_its_rotary_axes_stand(angle):
+    machine = read_machine(MACHINES / "example-five-axis")
+    n = 11
+    columns = {
+        "run": [1] * n, "t_s": [5 * k for k in range(n)], "X_mm": [10 * k for k in range(n)],
+        "Y_mm": [30.0] * n, "Z_mm": [0.0] * n, "A_deg": [angle] * n, "approach_X": [1] * n,
+        "approach_Y": [1] * n, "approach_Z": [1] * n, "reading_um": [0.1] * n,
+    }  # fmt: skip
+    head = ('instrument = "laser"', 'quantity = "displacement"', "sensitive = { X = 1.0 }")
+    found = assembly.of([recording("targets", columns, *head, machine=machine.name)], machine)
+    place, side = np.zeros((5, n)), np.zeros((5, n))
+    place[0], place[1], place[3] = 10 * np.arange(n), 30.0, angle
+    side[:3] = 1.0
+    assert found.known == pytest.approx(machine.deviation(place, side)[0])
+
+
+def state(**channels: np.ndarray) -> State:
+    n = 20
+    return State(
+        position={"Z": np.linspace(0, 500, n)},
+        approach={"Z": np.ones(n)},
+        travel={"Z": (0.0, 500.0)},
+        time=60.0 * np.arange(n),
+        run=np.ones(n),
+        file=np.zeros(n),
+        passage=-np.ones(n),
+        channels=channels,
+    )
+
+
+def test_a_spindle_that_turns_the_other_way_grows_as_much():
+    module = effects.load("spindle_growth")
+    rpm = np.where(np.arange(20) > 3, 3000.0, 0.0)
+    here, there = state(spindle_rpm=rpm), state(spindle_rpm=-rpm)
+    shapes = module.shapes(here, "Z")
+    assert module.shapes(there, "Z") == shapes
+    for shape in shapes:
+        assert module.columns(there, "Z", **shape) == pytest.approx(
+            module.columns(here, "Z", **shape)
+        )
+
+
+def test_a_screw_whose_temperature_nobody_recorded_does_not_grow_by_it():
+    module = effects.load("screw_heat")
+    grown = {"alpha_ppm_K": 11.0, "held_at_mm": 0.0, "tau_s": 0.0}
+    assert not effects.deviation(module, state(), "Z", **grown).any()
+    warm = state(T_screw_Z_C=20.0 + np.arange(20) / 19)
+    assert effects.deviation(module, warm, "Z", **grown)[2, -1] == pytest.approx(5.5e-3)
+
+
+def test_a_third_jump_without_a_second_is_as_large_as_stated():
+    module = effects.load("step_loss")
+    off = effects.deviation(module, state(), "Z", jump_um=3.0, t_s=5.0, third_um=7.0, third_s=300.0)
+    assert off[2, [0, 1, 6]] * 1e3 == pytest.approx([0.0, 3.0, 10.0])
