@@ -80,6 +80,11 @@ def parameters(
         )
         if driven and value.get("tau_s", 0.0) > 0:  # it came with time
             unit, meaning = driven[1], f"{driven[2]} of the recording"
+        if value.get("cycle_s", 0.0) > 0:  # it comes and goes
+            if name == "tau_s":
+                continue
+            if name == "size_um":
+                unit, meaning = "um", "its amplitude, zero to peak"
         if name == "file":
             if 0 <= v < len(names):
                 result.append(("", "", f"in {names[int(v)]} alone"))

@@ -24,7 +24,8 @@ PARAMETERS = {
     "to_mm": "mm, where they end; beyond, it is as there",
     "flank": (
         "1, the flank is worn that carries when the axis comes in +, where all of worn_um shows;"
-        " -1, the other one; 0, both, and each direction shows half"
+        " -1, that one is worn that carries when it comes in -; 0, both, and each direction shows"
+        " half"
     ),
 }
 SHARES = tuple(f"b{k}_um" for k in range(7))

@@ -22,9 +22,9 @@ from postproc.effects._named import by_name
 
 PARAMETERS = {
     "size_um": (
-        "um of deviation where what is held at one end gives most; of a beam on two supports what"
-        " its first wave is lowered by, so that with the mass in its middle the deviation there is"
-        " -1.012 times as much"
+        "um, of what is held at one end the deviation where it gives most, of a beam on two"
+        " supports what its first wave is lowered by: with the mass in its middle the deviation"
+        " there is -1.012 times as much"
     ),
     "along": "0, 1, 2: X, Y, Z, the direction of the error",
     "lever": "1, it grows with the place of the next axis too; 0, it does not",
@@ -34,8 +34,8 @@ PARAMETERS = {
     ),
     "overhang": "1, by how much of the travel the beam is longer at each end",
     "free_end": (
-        "1, what is held at one end is free at the high end of the travel; -1, at the low one; 0, a"
-        " rail that is clamped at both ends"
+        "1, what is held at one end is free at the high end of the travel; -1, it is free at the"
+        " low end; 0, a rail that is clamped at both ends"
     ),
     "propped": "1, its free end is propped; 0, it is not",
     "begins": (

@@ -27,7 +27,7 @@ PARAMETERS = {
     ),
     "shift": "1, the shaft shifts; 0, it does not",
     "power": (
-        "1, heat goes with speed; 5/3, with that power of it, and um per 1000 rpm holds at the"
+        "1, the power of the speed that heat goes with; above 1, um per 1000 rpm holds at the"
         " fastest"
     ),
     "fastest_rpm": "1/min, the fastest speed, above 0",

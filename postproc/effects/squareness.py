@@ -11,7 +11,8 @@ from postproc.effects import UM, State, Table, along
 PARAMETERS = {
     "urad": "urad, change of the angle: positive where it is more than a right one",
     "leans": (
-        "0, the first axis of the pair leans as the second moves; 1, the second as the first moves"
+        "0, the first axis of the pair leans as the second moves; 1, the second leans as the first"
+        " moves"
     ),
     "turn_urad": (
         "urad, of which the angle is more as the axis that moves comes from below than as it comes"

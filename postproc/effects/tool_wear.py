@@ -12,18 +12,21 @@ from postproc.effects._named import by_name
 PARAMETERS = {
     "rate_um": "um, wear of the edge from part to part; at a gauge, of its whole life",
     "start_um": "um, the quick wear of a new edge",
-    "change": "number of the part before which the tool was changed, 0: never",
+    "change": (
+        "number of the part before which the tool was changed, 0: it was changed before no part"
+    ),
     "worn_um": "um, wear of the first tool before the first part",
     "bores": (
-        "1, a worn tool makes bores larger, as one tool post does; -1, smaller, as an edge does"
+        "1, a worn tool makes bores larger, as one tool post does; -1, it makes bores smaller, as"
+        " an edge does"
     ),
-    "life": "runs of the gauge after which the tool is changed every time; 0, it is seen on parts",
+    "life": "runs, of the gauge after which the tool is changed every time; 0, it is seen on parts",
     "older": "1, the first tool had cut before the gauge's first run; 0, it was new",
     "cut": (
-        "parts that a new tool has cut when the walls of its first part are finished: 0, or half"
-        " of one"
+        "parts, that a new tool has cut when the walls of its first part are finished: none, or"
+        " half of one"
     ),
-    "every": "parts after which it is changed again, every time; 0: it is not",
+    "every": "parts, after which it is changed again every time; 0: it is not",
     "file": "number of the one recording in which it is changed, 0 the first; -1: in all",
 }
 SIZES = ("rate_um", "start_um", "worn_um")

@@ -62,7 +62,7 @@ def test_what_is_as_it_is_where_nobody_states_it_is_not_said():
 
 def test_numbers_that_stand_for_something_are_described_by_what_they_stand_for():
     assert of("bow", size_um=3.0, third_um=1.0, across=1.0)[-1] == "the direction of the error: Y"
-    assert of("squareness", urad=12.0, leans=1.0)[-1] == "the second as the first moves"
+    assert of("squareness", urad=12.0, leans=1.0)[-1] == "the second leans as the first moves"
     assert of("cosine", ppm=-40.0, file=1.0)[-1] == "in b.csv alone"
     assert len(of("cosine", ppm=-40.0, file=-1.0)) == 1
     assert of("stick_slip", period_mm=0.0, size_um=2.0)[0] == "too short to be told apart"
@@ -183,3 +183,39 @@ def test_a_mismatch_without_a_name_is_no_clean_bill(found):
         )
     finally:
         found.findings, found.unknown = findings, unknown
+
+
+def test_a_room_that_switches_has_an_amplitude_and_no_time_constant():
+    """size_um alone is "um at the end"; of a cycle it is the amplitude, whatever tau_s stands
+    there."""
+    said = of("structure_drift", {"size_um": (2.0, 4.0)}, size_um=3.0, tau_s=1.0, cycle_s=1200.0)
+    assert said[0] == "size 3.0 um | 95 %: 2.0 to 4.0 | its amplitude, zero to peak"
+    assert len(said) == 2 and said[1].startswith("cycle 1200 s | period of a room")
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        (
+            "tool_wear",
+            {"life": 10.0},
+            "life 10 runs | of the gauge after which the tool is changed every time",
+        ),
+        ("tool_wear", {"bores": -1.0}, "it makes bores smaller, as an edge does"),
+        ("squareness", {"leans": 1.0}, "the second leans as the first moves"),
+        ("sag", {"free_end": -1.0}, "it is free at the low end"),
+        (
+            "spindle_growth",
+            {"power": 5 / 3},
+            "power 1.667 | the power of the speed that heat goes with",
+        ),
+    ],
+)
+def test_what_a_choice_means_stands_by_itself(name, value, said):
+    assert of(name, **value) == [said]
+
+
+def test_a_unit_is_a_unit():
+    for name in effects.names():
+        for text in effects.load(name).PARAMETERS.values():
+            assert len(words._meaning(text)[0]) < 30, (name, text)
