@@ -127,9 +127,9 @@ FIRST = (
 def showing(effect: str, axis: str, machine: Machine) -> str:
     """The experiment that would show an effect."""
     experiment, words = SHOWS.get(effect, ("positioning:{a}", "more readings along {a}"))
-    if experiment.startswith("ballbar") and machine.control in NO_CIRCLES:
-        experiment, words = WITHOUT_CIRCLES[effect]
     letters = [x for x in machine.letters if x in XYZ]
+    if experiment.startswith("ballbar") and (machine.control in NO_CIRCLES or len(letters) < 2):
+        experiment, words = WITHOUT_CIRCLES[effect]
     single = axis[:1] if axis else letters[0]
     other = next((x for x in letters if x != single), single)
     pair = axis if len(axis) == 2 else "".join(sorted(single + other))

@@ -256,8 +256,16 @@ def residual_rows(d: Diagnosis) -> Iterator[str]:
     """Lines of --residuals: every reading that was used, um; of angles urad."""
     measured, before, after = (shown(d, v) for v in (d.rows.y, d.before, d.after))
     yield "recording,row,signal,measured_um,before_um,after_um,held_out"
+    files, signals = [_cell(r.file) for r in d.recordings], [_cell(s) for s in d.rows.signals]
     for k in range(len(d.rows)):
         yield (
-            f"{d.recordings[d.rows.file[k]].file},{d.rows.line[k]},{d.rows.signals[d.rows.signal[k]]},"
+            f"{files[d.rows.file[k]]},{d.rows.line[k]},{signals[d.rows.signal[k]]},"
             f"{measured[k]:.4f},{before[k]:.4f},{after[k]:.4f},{int(d.held[k])}"
         )
+
+
+def _cell(text: str) -> str:
+    """A text as a cell of a table: a feature may be called "hole, left"."""
+    if not any(sign in text for sign in ',"\n'):
+        return text
+    return '"' + text.replace('"', '""') + '"'

@@ -3,6 +3,7 @@ turns the other way: what recordings hold is used, whichever way it is written."
 
 from __future__ import annotations
 
+import csv
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from postproc import effects, recordings
-from postproc.diagnose import assembly, drive, plausibility
+from postproc.diagnose import assembly, drive, experiments, plausibility, report
 from postproc.diagnose.analysis import diagnose
 from postproc.effects import State
 from postproc.machine.file import read_machine
@@ -151,3 +152,31 @@ def test_a_third_jump_without_a_second_is_as_large_as_stated():
     module = effects.load("step_loss")
     off = effects.deviation(module, state(), "Z", jump_um=3.0, t_s=5.0, third_um=7.0, third_s=300.0)
     assert off[2, [0, 1, 6]] * 1e3 == pytest.approx([0.0, 3.0, 10.0])
+
+
+def test_a_comma_in_the_name_of_a_feature_is_no_new_column():
+    sizes, noise = [20.0, 30.0, 40.0], np.random.default_rng(2)
+    rows = [(size, part, k) for part in (1, 2, 3) for size in sizes for k in (1, 2, 3)]
+    n = len(rows)
+    columns = {
+        "feature": [f'"hole, left {size:g}"' for size, _, _ in rows],
+        "kind": ["pocket_size"] * n, "axis": ["X"] * n, "nominal_mm": [r[0] for r in rows],
+        "measured_mm": [f"{r[0] + noise.normal(0, 3e-4):.4f}" for r in rows],
+        "part": [r[1] for r in rows], "reading": [r[2] for r in rows],
+    }  # fmt: skip
+    head, *table = csv.reader(
+        report.residual_rows(diagnose([recording("features", columns)], MILL))
+    )
+    assert {len(row) for row in table} == {len(head)}
+    assert table[0][2] == "measured_mm hole, left 20 pocket_size"
+
+
+def test_a_machine_with_one_axis_is_asked_for_no_circle(tmp_path):
+    (tmp_path / "machine.toml").write_text(
+        'format = "gcomp-machine/1"\nname = "one"\ncontrol = "linuxcnc"\nchain = "w-b-X-t"\n'
+        'source = "t"\n[axes.X]\ntravel = [0.0, 500.0]\nleast_increment = 0.001\n'
+    )
+    one = read_machine(tmp_path)
+    for effect in ("reversal_spike", "friction_asymmetry"):
+        assert "--test feeds:X " in experiments.showing(effect, "X", one)
+        assert "--test ballbar:XY" in experiments.showing(effect, "X", MILL)
