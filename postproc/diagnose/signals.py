@@ -31,6 +31,7 @@ FACES = ("gauge", "probe", "indicator", "dial")  # read from face to face
 TOUCHING = (*FACES, "comparator", "micrometer", "coordinate measuring", "scale", "encoder")
 # reads by a beam, whatever else its name holds: a laser gauge, a laser with a probe for the air
 LIGHT = ("laser", "interferometer")
+STANDARDS = ("step gauge", "gauge block", "block gauge")
 INSIDE = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 MATERIAL = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 
@@ -48,9 +49,8 @@ def _common(recording: Recording) -> dict[str, np.ndarray]:
         "time": recording.columns.get("t_s", np.zeros(n)),
         "run": recording.columns.get("run", np.ones(n)),
         "line": recording.lines if len(recording.lines) == n else np.arange(n),
-        "channel gauged": np.full(
-            n, float("gauge" in recording.instrument.lower())
-        ),  # workpieces are, between two cuts
+        # workpieces are, between two cuts; what is compared with a standard is none
+        "channel gauged": np.full(n, float(_reads(recording, ("gauge",), but=STANDARDS))),
         "channel lit": np.full(n, float(not _reads(recording, TOUCHING))),
         "channel faces": np.full(n, float(_reads(recording, FACES))),
     }
@@ -107,10 +107,10 @@ def _targets(recording: Recording, machine: Machine) -> Iterator[Signal]:
     )
 
 
-def _reads(recording: Recording, words: tuple[str, ...]) -> bool:
+def _reads(recording: Recording, words: tuple[str, ...], but: tuple[str, ...] = ()) -> bool:
     """Whether its instrument is of this kind; where nobody wrote down what it was, of none."""
-    name = recording.instrument.lower()
-    return any(word in name for word in words) and not any(word in name for word in LIGHT)
+    name = recording.instrument.lower().replace("-", " ")
+    return any(word in name for word in words) and not any(w in name for w in (*LIGHT, *but))
 
 
 def _overrun(recording: Recording) -> np.ndarray:

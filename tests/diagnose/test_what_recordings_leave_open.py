@@ -180,3 +180,27 @@ def test_a_machine_with_one_axis_is_asked_for_no_circle(tmp_path):
     for effect in ("reversal_spike", "friction_asymmetry"):
         assert "--test feeds:X " in experiments.showing(effect, "X", one)
         assert "--test ballbar:XY" in experiments.showing(effect, "X", MILL)
+
+
+@pytest.mark.parametrize(
+    ("instrument", "gauged"),
+    [
+        ("in-process gauge", 1.0),
+        ("dial gauge", 1.0),
+        ("step gauge", 0.0),
+        ("Step-Gauge 500 mm", 0.0),
+        ("gauge block comparator", 0.0),
+        ("laser gauge", 0.0),
+        ("", 0.0),
+    ],
+)
+def test_no_tool_wears_between_two_readings_of_a_standard(instrument, gauged):
+    n = 8
+    columns = {
+        "run": [1] * n, "t_s": [5 * k for k in range(n)], "X_mm": [10 * k for k in range(n)],
+        "Y_mm": [0.0] * n, "Z_mm": [0.0] * n, "approach_X": [1] * n, "approach_Y": [1] * n,
+        "approach_Z": [1] * n, "reading_um": [0.1] * n,
+    }  # fmt: skip
+    head = (f'instrument = "{instrument}"', 'quantity = "displacement"', "sensitive = { X = 1.0 }")
+    found = assembly.of([recording("targets", columns, *head)], MILL).state
+    assert np.unique(found.channels["gauged"]).tolist() == [gauged]
