@@ -48,6 +48,7 @@ def written(d: Diagnosis, accept: tuple[str, ...]) -> tuple[list[Finding], list[
         for f in able
         if f.predictive
         and not f.aliases
+        and not _of_one_recording(f)
         and _sized(f)
         and all(_same_use(f, name) for name in f.equivalent)
     ]
@@ -61,6 +62,12 @@ def _sized(f: Finding) -> bool:
     # a parameter of exactly 0 was not fitted
     ends = [f.ci95[name] for name in sizes(f.block.module) if f.value[name]]
     return not ends or any(low > 0.0 or high < 0.0 for low, high in ends)
+
+
+def _of_one_recording(f: Finding) -> bool:
+    """Whether it was in one recording alone: its number there would be that of another one in the
+    next experiment."""
+    return f.value.get("file", -1.0) >= 0.0
 
 
 def _same_use(f: Finding, name: str) -> bool:
@@ -104,6 +111,8 @@ def _not_sure(f: Finding) -> str:
             f"its period is one of {len(f.aliases) + 1} that these targets show alike, and each"
             " corrects otherwise between them; measure at uneven distances"
         )
+    if _of_one_recording(f):
+        return "it was in one recording alone, and the next ones are others"
     if not _sized(f):
         return "none of its sizes differs from zero; record again with more readings"
     return (

@@ -126,6 +126,8 @@ def columns(
         own = state.file == file
         t = state.time[own]
         # parts have no times: their numbers stand for them, in equal steps
+        if not len(t):  # of a recording that is not among these
+            return along(axis, np.zeros(len(own)), np.zeros(len(own)))
         if not np.ptp(t):  # parts that were turned one after the other
             t = np.where(_turned(state)[own], state.channels.get("part", state.time)[own], np.nan)
         gone = np.zeros(len(own))

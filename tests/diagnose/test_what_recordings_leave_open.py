@@ -11,7 +11,14 @@ import numpy as np
 import pytest
 
 from postproc import effects, recordings
-from postproc.diagnose import assembly, drive, experiments, plausibility, report
+from postproc.diagnose import (
+    assembly,
+    drive,
+    experiments,
+    machine_effects,
+    plausibility,
+    report,
+)
 from postproc.diagnose.analysis import diagnose
 from postproc.effects import State
 from postproc.machine.file import read_machine
@@ -204,3 +211,35 @@ def test_no_tool_wears_between_two_readings_of_a_standard(instrument, gauged):
     head = (f'instrument = "{instrument}"', 'quantity = "displacement"', "sensitive = { X = 1.0 }")
     found = assembly.of([recording("targets", columns, *head)], MILL).state
     assert np.unique(found.channels["gauged"]).tolist() == [gauged]
+
+
+def soak(drift_um: float, start_s: float):
+    """Two hours at one place, a reading each minute."""
+    n = 120
+    noise = np.random.default_rng(int(start_s) + 1).normal(0, 0.2, n)
+    columns = {
+        "run": [1] * n, "t_s": [start_s + 60 * k for k in range(n)], "X_mm": [0.0] * n,
+        "Y_mm": [0.0] * n, "Z_mm": [0.0] * n, "approach_X": [1] * n, "approach_Y": [1] * n,
+        "approach_Z": [1] * n, "reading_um": np.round(drift_um * np.arange(n) / n + noise, 2),
+    }  # fmt: skip
+    head = ('instrument = "dial gauge"', 'quantity = "displacement"', "sensitive = { X = 1.0 }")
+    return recording("targets", columns, *head)
+
+
+def test_a_drift_of_one_recording_goes_into_no_machine():
+    """Its number there is another recording's in the next experiment, or nobody's."""
+    d = diagnose([soak(12.0, 0.0), soak(0.0, 9000.0)], MILL)
+    (finding,) = d.findings
+    assert finding.block.key == "structure_drift:X" and finding.value["file"] == 0.0
+    (said,) = machine_effects.not_told_apart(d, ())
+    assert "NOT written: it was in one recording alone" in said
+    assert not machine_effects.with_effects(d, ()).effects
+    accepted = machine_effects.with_effects(d, ("structure_drift:X",))
+    assert len(accepted.effects) == 1
+
+
+def test_a_drift_of_a_recording_that_is_not_there_is_none():
+    module = effects.load("structure_drift")
+    drift = {"size_um": 5.0, "tau_s": 1e6, "file": 1.0}
+    assert not effects.deviation(module, state(), "Z", **drift).any()
+    assert effects.deviation(module, state(), "Z", **drift | {"file": 0.0}).any()
