@@ -48,7 +48,7 @@ def written(d: Diagnosis, accept: tuple[str, ...]) -> tuple[list[Finding], list[
         for f in able
         if f.predictive
         and not f.aliases
-        and not _of_one_recording(f)
+        and not _happened(f)
         and _sized(f)
         and all(_same_use(f, name) for name in f.equivalent)
     ]
@@ -64,10 +64,10 @@ def _sized(f: Finding) -> bool:
     return not ends or any(low > 0.0 or high < 0.0 for low, high in ends)
 
 
-def _of_one_recording(f: Finding) -> bool:
-    """Whether it was in one recording alone: its number there would be that of another one in the
-    next experiment."""
-    return f.value.get("file", -1.0) >= 0.0
+def _happened(f: Finding) -> bool:
+    """Whether it was in one recording alone, or at moments of these: their numbers and times are
+    those of other recordings in the next experiment."""
+    return f.value.get("file", -1.0) >= 0.0 or "t_s" in f.value
 
 
 def _same_use(f: Finding, name: str) -> bool:
@@ -111,8 +111,8 @@ def _not_sure(f: Finding) -> str:
             f"its period is one of {len(f.aliases) + 1} that these targets show alike, and each"
             " corrects otherwise between them; measure at uneven distances"
         )
-    if _of_one_recording(f):
-        return "it was in one recording alone, and the next ones are others"
+    if _happened(f):
+        return "it happened in these recordings, and would be taken to happen in the next ones too"
     if not _sized(f):
         return "none of its sizes differs from zero; record again with more readings"
     return (

@@ -232,7 +232,7 @@ def test_a_drift_of_one_recording_goes_into_no_machine():
     (finding,) = d.findings
     assert finding.block.key == "structure_drift:X" and finding.value["file"] == 0.0
     (said,) = machine_effects.not_told_apart(d, ())
-    assert "NOT written: it was in one recording alone" in said
+    assert "NOT written: it happened in these recordings" in said
     assert not machine_effects.with_effects(d, ()).effects
     accepted = machine_effects.with_effects(d, ("structure_drift:X",))
     assert len(accepted.effects) == 1
@@ -243,3 +243,23 @@ def test_a_drift_of_a_recording_that_is_not_there_is_none():
     drift = {"size_um": 5.0, "tau_s": 1e6, "file": 1.0}
     assert not effects.deviation(module, state(), "Z", **drift).any()
     assert effects.deviation(module, state(), "Z", **drift | {"file": 0.0}).any()
+
+
+def test_a_jump_that_happened_goes_into_no_machine():
+    """The next recording would be told that it jumps at the same second."""
+    n = 180
+    place, noise = np.tile(np.arange(-9, 9) * 38.0, 10), np.random.default_rng(5).normal(0, 0.3, n)
+    off = np.array(
+        [MILL.deviation(np.array([[p], [0], [0]]), np.ones((3, 1)))[0, 0] for p in place]
+    )
+    columns = {
+        "run": np.repeat(np.arange(1, 11), 18), "t_s": 5 * np.arange(n), "X_mm": place,
+        "Y_mm": [0.0] * n, "Z_mm": [0.0] * n, "approach_X": [1] * n, "approach_Y": [1] * n,
+        "approach_Z": [1] * n,
+        "reading_um": np.round(off * 1e3 + 8.0 * (np.arange(n) > 80) + noise, 2),
+    }  # fmt: skip
+    head = ('instrument = "laser"', 'quantity = "displacement"', "sensitive = { X = 1.0 }")
+    d = diagnose([recording("targets", columns, *head)], MILL)
+    (finding,) = d.findings
+    assert finding.block.key == "step_loss:X" and finding.status == "accepted"
+    assert not machine_effects.with_effects(d, ()).effects
