@@ -59,6 +59,7 @@ def by_time(recording: Recording) -> tuple[Recording, np.ndarray, str]:
             f" {int(recording.lines.min()) + first + 1}): they were put in order"
         )
         time, run = recording.columns["t_s"], recording.columns.get("run", np.zeros(len(time)))
+    notice = "; ".join(filter(None, [notice, _anew(time, run)]))
     copy = _copies(recording, time, run)
     alike = np.count_nonzero((np.diff(time) == 0) & (np.diff(run) == 0) & ~copy[1:])
     if recording.kind != "targets" and alike > COARSE * len(time):
@@ -70,6 +71,19 @@ def by_time(recording: Recording) -> tuple[Recording, np.ndarray, str]:
         (recording.pick(~copy), recording.lines[copy], notice)
         if copy.any()
         else (recording, recording.lines[copy], notice)
+    )
+
+
+def _anew(time: np.ndarray, run: np.ndarray) -> str:
+    """What is told of a clock that begins anew with a run."""
+    first = np.flatnonzero((np.diff(run) != 0) & (np.diff(time) < 0)) + 1
+    if not len(first):
+        return ""
+    more = f" and {len(first) - 1} more" if len(first) > 1 else ""
+    return (
+        f"t_s begins anew in run {run[first[0]]:g}{more}: runs seem to be at the same time, and"
+        " what comes with time (heat, drift) may get another name; t_s counts from the start of"
+        " the experiment"
     )
 
 

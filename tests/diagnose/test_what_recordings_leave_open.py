@@ -263,3 +263,12 @@ def test_a_jump_that_happened_goes_into_no_machine():
     (finding,) = d.findings
     assert finding.block.key == "step_loss:X" and finding.status == "accepted"
     assert not machine_effects.with_effects(d, ()).effects
+
+
+@pytest.mark.parametrize("anew", [True, False])
+def test_a_clock_that_begins_anew_with_each_run_is_told(anew):
+    moved = trace(600, 0.01)
+    k = np.arange(600)
+    columns = moved.columns | {"run": 1 + k // 200, "t_s": 0.01 * (k % 200 if anew else k)}
+    said = plausibility.checked([replace(moved, columns=columns)], MILL).notices
+    assert any("t_s begins anew in run 2 and 1 more" in one for one in said) is anew
