@@ -109,7 +109,7 @@ def _motions(recording: Recording, axis: str, signal: str) -> list[Motion]:
         #     force ------- low-pass - response
         # One low-pass for both sides, so that what it changes it changes in both (parallel
         # filtering).
-        exact = np.gradient(place, time[part]) if speed is None else speed[part]
+        exact = _stated(speed, part, np.gradient(place, time[part]))
         wide = max(round(WIDTH / step), 0)
         v = _low(exact, wide)
         v = v if wide else exact
@@ -130,16 +130,17 @@ def _motions(recording: Recording, axis: str, signal: str) -> list[Motion]:
                 _low(response[part], wide)[every],
                 time[part][every],
                 _low(
-                    (
-                        asked[part]
-                        if asked is not None
-                        else np.gradient(recording.position(axis)[part], time[part])
-                    ),
+                    _stated(asked, part, np.gradient(recording.position(axis)[part], time[part])),
                     wide,
                 )[every],
             )
         )
     return result
+
+
+def _stated(speed: np.ndarray | None, part: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """(N,) mm/s: the recorded speed of a passage; where it is not known, that by the places."""
+    return places if speed is None else np.where(np.isfinite(speed[part]), speed[part], places)
 
 
 def _gone(place: np.ndarray, sign: np.ndarray) -> np.ndarray:

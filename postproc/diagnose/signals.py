@@ -218,7 +218,9 @@ def _motion(
         if len(part) < 3:
             continue
         t, p = _even(time[part]), position[part]
-        v[part] = np.gradient(p, t, edge_order=2) if speed is None else speed[part]
+        v[part] = np.gradient(p, t, edge_order=2)
+        if speed is not None:  # where a cell is empty, as the places say
+            v[part] = np.where(np.isfinite(speed[part]), speed[part], v[part])
         a[part] = _slope(v[part], t)
         # a log rounds the place of an axis that rests
         jitter = RESTS / max(float(np.median(np.diff(t))), 1e-9)

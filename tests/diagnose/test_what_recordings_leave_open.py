@@ -272,3 +272,21 @@ def test_a_clock_that_begins_anew_with_each_run_is_told(anew):
     columns = moved.columns | {"run": 1 + k // 200, "t_s": 0.01 * (k % 200 if anew else k)}
     said = plausibility.checked([replace(moved, columns=columns)], MILL).notices
     assert any("t_s begins anew in run 2 and 1 more" in one for one in said) is anew
+
+
+@pytest.mark.parametrize("empty", [(), (1500,), range(3000)])
+def test_where_a_recorded_speed_is_empty_the_places_say_it(empty):
+    t = np.arange(3000) * 0.002
+    speed = [f"{v:.4f}" for v in 80 * np.cos(4 * t)]
+    for k in empty:
+        speed[k] = ""
+    force = 30 * np.sign(np.cos(4 * t)) + np.random.default_rng(1).normal(0, 1, 3000)
+    moved = trace(
+        3000, 0.002, X_cmd_velocity_mm_s=speed, X_act_velocity_mm_s=speed,
+        force_X_N=[f"{f:.3f}" for f in force],
+    )  # fmt: skip
+    state = assembly.of([moved], MILL).state
+    assert np.isfinite(state.velocity["X"]).all() and np.isfinite(state.acceleration["X"]).all()
+    assert np.abs(state.velocity["X"]).max() == pytest.approx(80.0, abs=0.5)
+    (found,) = drive.drives([moved])
+    assert [f.term.name for f in found.fitted] == ["coulomb_friction"]
