@@ -22,6 +22,7 @@ OPTIONAL = {"power": 1.0, "usual_N": 1.0, "by": 0.0}
 # A light router gives 1 mm for 100 N at its tool; a machine of steel 0.001 to 0.1 um per N.
 # beyond, it is something else (unverified: usual stiffnesses)
 PLAUSIBLE = {"um_per_N": (-10.0, 10.0)}
+SEVERAL = 1.2  # times the smallest load: another one
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("force",), ("tool",)
 RESTING = True
@@ -37,7 +38,10 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
         load = np.abs(_load(state, axis, by))
         pressed = load[load > 0.05 * float(load.max(initial=0.0))]
         usual = float(np.median(pressed)) if len(pressed) else 1.0
-        result += [{"power": p, "usual_N": usual, "by": by} for p in (1.0, 0.8, 2 / 3)]
+        # one load and none tell a size, and by which power it grows they do not
+        several = len(pressed) > 0 and float(pressed.max()) > SEVERAL * float(pressed.min())
+        powers = (1.0, 0.8, 2 / 3) if several else (1.0,)
+        result += [{"power": p, "usual_N": usual, "by": by} for p in powers]
     return result
 
 

@@ -85,3 +85,18 @@ def test_a_mass_that_was_weighed_sags_in_proportion():
         sag.columns(at, "X", **plain) * load / 200.0
     )
     assert not any(s["usual_N"] for s in sag.shapes(state(load_X_N=np.full(3, 200.0)), "X"))
+
+
+@pytest.mark.parametrize(
+    ("loads", "powers"),
+    [
+        ((0.0, 500.0, 505.0), {1.0}),
+        ((0.0, 500.0, -500.0), {1.0}),
+        ((0.0, 250.0, 500.0), {1.0, 0.8, 2 / 3}),
+    ],
+)
+def test_one_load_does_not_tell_by_which_power_it_bends(loads, powers):
+    """Of 500 N and none 2/3 and 0.8 say the same: which of them was named was a matter of
+    rounding, and at 250 N they are 26 % apart from a spring."""
+    found = state(force_X_N=np.array(loads))
+    assert {s["power"] for s in force_compliance.shapes(found, "X")} == powers
