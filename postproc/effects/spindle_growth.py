@@ -42,6 +42,7 @@ PLACES = ("T_spindle_C", "T_head_C", "T_headstock_C")
 # not turn ten times as fast.
 MOST_UM = 300.0  # at the fastest
 ALIKE = 1e-4  # of a time constant
+SEVERAL = 1.2  # times the slowest speed: another one
 LATER = 4.0  # times the spindle's own: in which its housing follows
 # The head that grows by its own temperature is no longer than 1 m of aluminium; a shaft shifts by
 # its bearings' preload (unverified).
@@ -66,7 +67,9 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     if not speed.any():
         return []
     fastest = float(speed.max())
-    several = len(np.unique(speed)) > 2  # beside standing still
+    turning = speed[speed > 0.05 * fastest]
+    # beside standing still; a speed as it was recorded is never quite the same
+    several = len(np.unique(speed)) > 2 and float(turning.min()) * SEVERAL < fastest
     powers = (1.0, 5 / 3) if several else (1.0,)
     ways = [(v, h, p) for v in grid(300.0, 4800.0, 4) for h in (0.0, LATER * v) for p in powers]
     if state.channel(*PLACES) is not None:

@@ -290,3 +290,12 @@ def test_where_a_recorded_speed_is_empty_the_places_say_it(empty):
     assert np.abs(state.velocity["X"]).max() == pytest.approx(80.0, abs=0.5)
     (found,) = drive.drives([moved])
     assert [f.term.name for f in found.fitted] == ["coulomb_friction"]
+
+
+@pytest.mark.parametrize(
+    ("speeds", "powers"),
+    [((0, 3000), {1.0}), ((0, 2998, 3001), {1.0}), ((0, 1500, 3000), {1.0, 5 / 3})],
+)
+def test_one_speed_does_not_tell_by_which_power_it_heats(speeds, powers):
+    found = state(spindle_rpm=np.resize(np.array(speeds, float), 20))
+    assert {s["power"] for s in effects.load("spindle_growth").shapes(found, "Z")} == powers
