@@ -43,11 +43,13 @@ def by_time(recording: Recording) -> tuple[Recording, np.ndarray, str]:
             np.zeros(0, int),
             f"t_s = {time[0]:g} in all rows: not used",
         )
-    back = within & (step < 0)
+    # a table by targets: the runs stand beside each other
+    mixed = np.count_nonzero(~within) >= len(np.unique(run)) and bool(np.any(step < 0))
+    back = (within | mixed) & (step < 0)
     notice = ""
     if back.any():
         first = int(np.flatnonzero(back)[0])
-        if back.sum() > BACKWARDS * max(int(within.sum()), 1):
+        if not mixed and back.sum() > BACKWARDS * max(int(within.sum()), 1):
             raise RecordingError(
                 f"t_s runs backwards: {time[first + 1]:g} after {time[first]:g}, and so on",
                 "rows stand in the order in which they were taken, and t_s counts up",

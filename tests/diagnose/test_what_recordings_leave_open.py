@@ -299,3 +299,22 @@ def test_where_a_recorded_speed_is_empty_the_places_say_it(empty):
 def test_one_speed_does_not_tell_by_which_power_it_heats(speeds, powers):
     found = state(spindle_rpm=np.resize(np.array(speeds, float), 20))
     assert {s["power"] for s in effects.load("spindle_growth").shapes(found, "Z")} == powers
+
+
+def test_rows_by_targets_are_put_in_the_order_of_time():
+    """Three runs to and fro, written target by target: each run changes from row to row, so that no
+    run alone runs backwards."""
+    place = np.tile(np.concatenate([np.arange(10.0), np.arange(10.0)[::-1]]), 3) * 30
+    n = len(place)
+    columns = {
+        "run": np.repeat([1, 2, 3], 20), "t_s": 5 * np.arange(n), "X_mm": place, "Y_mm": [0.0] * n,
+        "Z_mm": [0.0] * n, "approach_X": np.tile(np.repeat([1, -1], 10), 3), "approach_Y": [1] * n,
+        "approach_Z": [1] * n, "reading_um": np.random.default_rng(0).normal(0, 0.3, n).round(2),
+    }  # fmt: skip
+    head = ('instrument = "laser"', 'quantity = "displacement"', "sensitive = { X = 1.0 }")
+    straight = recording("targets", columns, *head)
+    by_target = straight.pick(np.lexsort((columns["run"], columns["approach_X"], place)))
+    found = plausibility.checked([by_target], MILL)
+    assert found.recordings[0].columns["t_s"].tolist() == columns["t_s"].tolist()
+    (said,) = found.notices
+    assert "they were put in order" in said and "anew" not in said
