@@ -300,12 +300,9 @@ def _sums(value: np.ndarray, cell: np.ndarray, n: int) -> np.ndarray:
 
 
 def _program(rows: Rows, which: np.ndarray) -> tuple[int, int] | None:
-    line = rows.state.channels.get("program_line")
-    return (
-        None
-        if line is None
-        else (int(np.floor(line[which].min())), int(np.ceil(line[which].max())))
-    )
+    line = rows.state.channels.get("program_line", np.full(len(rows), np.nan))[which]
+    known = line[np.isfinite(line)]
+    return (int(np.floor(known.min())), int(np.ceil(known.max()))) if len(known) else None
 
 
 def _cells(place: np.ndarray, side: np.ndarray) -> tuple[np.ndarray, int]:

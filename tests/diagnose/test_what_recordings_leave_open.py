@@ -318,3 +318,14 @@ def test_rows_by_targets_are_put_in_the_order_of_time():
     assert found.recordings[0].columns["t_s"].tolist() == columns["t_s"].tolist()
     (said,) = found.notices
     assert "they were put in order" in said and "anew" not in said
+
+
+def test_a_line_of_the_program_that_is_not_written_is_not_the_mean_of_others():
+    """A log that writes the line when it changes; 5 um that are there in its first tenth alone."""
+    n = 4000
+    moved = trace(n, 0.005, lag_s=0.0, line=[k // 50 if k % 50 == 0 else "" for k in range(n)])
+    off = np.where(np.arange(n) < 400, 5e-3, 0.0)
+    columns = moved.columns | {"X_act_mm": moved.columns["X_act_mm"] + off}
+    d = diagnose([replace(moved, columns=columns)], MILL)
+    early = [p for p in d.places if p.timed and p.times[1] < 2.5]
+    assert early and all(p.program[1] <= 10 for p in early)
