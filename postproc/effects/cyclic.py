@@ -57,6 +57,7 @@ MOST = 1.0
 PLACES = 8
 TURNS = 1.99  # of the screw: fewer are a curve; travels of whole turns are rounded
 CONTINUOUS = {"period_mm": (0.0, 1e4)}
+COARSEST = 4  # nodes a period: lines between them leave a third of the wave
 KIND, USE, PER = "machine", "compensate", "axis"
 ALONG = True
 NEEDS, SEES = ("position",), ("tool", "part")
@@ -144,12 +145,15 @@ def coefficients(
 
 def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table]:
     """24 nodes a period, of the second wave where there is one: what is left between them is below
-    1 % of the amplitude."""
+    1 % of the amplitude; none where a table would be too coarse for the wave."""
     value, shape = coefficients(**named)
     finest = shape["period_mm"] / (2 if shape.get("second") else 1)
     # A chord of 1 / 24 of a period misses a cosine by 1 - cos(pi / 24) = 0.9 % of its amplitude.
     # 200,000 nodes: 8 m of travel at the finest lead of 1 mm.
-    number = min(int(np.ceil((travel[1] - travel[0]) / finest * 24)) + 1, 200_000)
+    turns = (travel[1] - travel[0]) / finest
+    number = min(int(np.ceil(turns * 24)) + 1, 200_000)
+    if number < COARSEST * turns:
+        return []  # lines between so few nodes are another wave, and add to it
     nodes = np.linspace(*travel, number)
     errors = []
     for side in (1.0, -1.0):

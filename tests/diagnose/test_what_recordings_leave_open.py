@@ -329,3 +329,16 @@ def test_a_line_of_the_program_that_is_not_written_is_not_the_mean_of_others():
     d = diagnose([replace(moved, columns=columns)], MILL)
     early = [p for p in d.places if p.timed and p.times[1] < 2.5]
     assert early and all(p.program[1] <= 10 for p in early)
+
+
+@pytest.mark.parametrize(("period", "left"), [(10.0, 0.01), (0.1, 0.02), (0.02, 0.4), (0.004, 1.0)])
+def test_a_table_never_adds_to_a_wave(period, left):
+    """Of a grating of 4 um over 1 m 200,000 nodes are less than one a period: between them lay
+    another wave, and 0.71 um rms became 0.88."""
+    wave = {"period_mm": period, "amplitude_um": 1.0, "phase_deg": 0.0}
+    place = np.random.default_rng(0).uniform(0.0, 1000.0, 2000)
+    off = np.cos(2 * np.pi * place / period)
+    rest = off.copy()
+    for _, _, nodes, forward, _ in effects.load("cyclic").tables("X", (0.0, 1000.0), **wave):
+        rest -= np.interp(place, nodes, forward) * 1e3
+    assert np.std(rest) <= left * np.std(off)
