@@ -138,3 +138,18 @@ def test_a_cut_behind_a_hole_begins_where_it_belongs(tmp_path, reversal):
     text = "G0 X0 Y0 Z20\nG81 X50 Z1 R10 F500\nX100\nG80\nG1 X90\nX0\nM2\n"
     verifier = verified(m, text, reversal=reversal, hole_tolerance=0.05)
     assert verifier.passed and verifier.corrected.deviation < 3.1 * UM
+
+
+@pytest.mark.parametrize("end", ["X-104.164 Y47.58 I-36.145 J23.79", "X-31.874 Y0 I-36.145 J23.79"])
+@pytest.mark.parametrize("code", ["G2", "G3"])
+def test_an_arc_is_cut_where_lost_motion_has_built_up(tmp_path, code, end):
+    """X turns back where the arc begins, and 18 um build up over the first 0.6 mm of its way: no
+    sample lay there, and a first piece of 1.6 mm took them up over all of it (7 um left)."""
+    folder = tmp_path / "m"
+    shutil.copytree(ROOT / "machines" / "perfect", folder)
+    with open(folder / "machine.toml", "a") as file:
+        file.write("\n" + WINDUP.format(18.0))
+    for before in (-20, -50):
+        text = f"G0 X0 Y0 Z0\nG1 X{before} F500\nX-31.874\n{code} {end}\nM2\n"
+        verifier = verified(read_machine(folder), text)
+        assert verifier.passed and verifier.corrected.deviation < 1.0 * UM

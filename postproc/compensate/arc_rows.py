@@ -81,6 +81,7 @@ class Fitter:
     single: np.ndarray
     inside: np.ndarray  # (n,) bool: inside cutter radius compensation (postproc.compensate.cutter)
     shortest: np.ndarray  # (n,) mm: a piece of such an arc has at least this way
+    builds: np.ndarray  # (A,) mm/mm: how steeply lost motion builds up with an axis' way
     tool: np.ndarray  # (n,) mm: radius of a tool on the arc's inside, 0: outside, nan: not stated
 
     @cached_property

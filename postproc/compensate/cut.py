@@ -378,7 +378,7 @@ def arc_pieces(b: Batch) -> Packed | None:
         round_to=lambda stroke, exact: rounded(
             exact, *(column.take(stroke, axis=1) for column in every)
         ),
-        increments=every, **cutter.arcs_inside(b),
+        increments=every, builds=b.c.builds, **cutter.arcs_inside(b),
     )  # fmt: skip
     rows = fit.settle(fitter, rows)
     order = np.rint((rows.t0 - b.t0[rows.stroke]) * 2**30).astype(np.int64)

@@ -162,8 +162,9 @@ class Settings:
         return self.tolerance + beyond + grid / 2 + 1e-9
 
     def _directions(self) -> None:
-        """Whether sides are followed at all; (A,) ticks of hysteresis and of ramps; rows of axes
-        that never turn back within a stroke but by a take-up."""
+        """Whether sides are followed at all; (A,) ticks of hysteresis and of ramps, and mm/mm how
+        steeply lost motion builds up along these at most; rows of axes that never turn back within
+        a stroke but by a take-up."""
         m = self.machine
         # sides by the slides' own way, block by block (sides.of_slides)
         if isinstance(m, tip.TipMachine):
@@ -180,6 +181,10 @@ class Settings:
         self.reach = np.array([round(ramps.get(x, 0.0) / 2 * TICKS_PER_MM) for x in m.letters])
         self.reach[~slides] = 0
         self.ramped = bool(np.any(self.reach))
+        self.builds = np.zeros(len(self.reach))
+        if self.ramped:
+            way = np.where(self.reach > 0, 2 * self.reach / TICKS_PER_MM, np.inf)
+            self.builds = (m.widest_play + m.lateral) / way
         self.overshoots = slides & (m.least_play < -self.chord)
         self.followed = (
             np.flatnonzero(slides & (self.reach == 0))

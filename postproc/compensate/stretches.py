@@ -230,14 +230,16 @@ def _on_line(
 
 def density(f: Fitter, rows: Rows) -> np.ndarray:
     """(R,) how many steps make samples dense enough without knowing where nodes are passed:
-    between two of them at most an eighth of the tolerance may hide, from nodes (kink * step / 4)
-    and from the ellipse that a stretched circle is."""
+    between two of them at most an eighth of the tolerance may hide, from nodes and where lost
+    motion has built up (kink * step / 4), and from the ellipse that a stretched circle is."""
     arcs = f.arcs
     sweep = np.abs(arcs.sweep[rows.arc] * (rows.t1 - rows.t0))
     radius = np.maximum(arcs.radius, arcs.radius_end)[rows.arc]
     sagitta = radius * height(np.minimum(sweep, TURN))
     ends = [points(arcs, f.start, f.target, rows.arc, t) for t in (rows.t0, rows.t1)]
     kink, steep = f.machine.bounds.local(np.minimum(*ends) - sagitta, np.maximum(*ends) + sagitta)
+    builds = f.weight(rows) * np.sign(ends[1] - ends[0]) < (ends[1] != ends[0])
+    kink = kink + (f.builds[:, None] * builds).sum(axis=0)
     slack = f.tolerance / 8
     travel = np.linalg.norm((f.target - f.start).take(rows.arc, axis=1), axis=0) * (
         rows.t1 - rows.t0
