@@ -24,8 +24,17 @@ def told(machine: str, program: bytes, z: int = 100) -> list[float]:
 
 def test_how_far_a_slide_goes_beyond_its_turn_is_told():
     """At X40 of the S-36 (20 mm of slide) forward lies some 7 um beyond reverse, by its table."""
-    (most,) = told("studer-s36", b"G1 X40.\nX50.\n")
-    assert 6.5 < most < 8.5
+    (most,) = told("studer-s36", b"G1 X40.\nX50. Z110.\n")
+    assert 6.5 < most < 10.5
+
+
+def test_a_plunge_goes_no_deeper_than_its_place():
+    """X40 was followed by X39.9872, the place of X40 with the other side, before X went back."""
+    loaded = places.load("studer-s36")
+    filter_ = Filter(loaded, dialects.load("fanuc-lathe"), setup_of(loaded, {"G54": {}}))
+    text = filter_.feed(HEAD % 100 + b"G1 X40.\nX50.\nM30\n") + filter_.finish()
+    assert min(float(x) for x in re.findall(rb"X([\d.]+)", text)) > 40.0
+    assert not [n for n in filter_.notices if MARK.search(n.message)]
 
 
 @pytest.mark.parametrize(("machine", "z"), [("perfect", 100), ("example-lathe", -100)])

@@ -294,7 +294,15 @@ class Batch(Columns):
         off = self.wanted[row] - before
         along = np.abs(off) > self.c.band[row]
         along &= self.c.overshoots[row] & (np.abs(self.travel[row]) <= self.c.band[row])
-        back = self.bound[row] & ~along & (off * self.weight_begin[row] < 0)
+        back = self.bound[row] & ~along
+        # Where forward lies beyond reverse the slide itself would go on beyond its turn by that. A
+        # feed that leads along the axis, or nearly, says its side: it stays, and is beside no way.
+        way = np.abs(self.travel.astype(float))
+        across = np.sqrt(np.maximum((way[self.c.slides] ** 2).sum(axis=0) - way[row] ** 2, 0.0))
+        along_it = across * np.abs(off) <= way[row] * self.c.chord * TICKS_PER_MM
+        along_it &= way[row] > 2 * np.abs(off)  # it comes to where it stands
+        back |= self.c.overshoots[row] & ~along & along_it & (self.code != THREAD)
+        back &= off * self.weight_begin[row] < 0
         far: np.ndarray = self.turning & (np.abs(off) > self.c.chord * TICKS_PER_MM) & ~back
         return far
 
