@@ -106,7 +106,10 @@ def corrected(text: str, folder: Path) -> tuple[str | None, str]:
             str(target),
         )
         if status or not target.is_file():
-            return None, said.strip()[-300:]
+            # what is kept of a trial names no folder of the computer that it ran on
+            for path in (folder.resolve(), folder):
+                said = said.replace(str(path), folder.name)
+            return None, said.replace(f"{place}/", "").strip()[-300:]
         return target.read_text(), ""
 
 

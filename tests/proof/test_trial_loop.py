@@ -139,3 +139,11 @@ def test_lost_motion_of_the_loop_lags_where_it_is_dead_travel_and_leads_where_fo
     assert dead.tolist() == [-4.0, -4.0, -4.0, -3.0, 4.0, 4.0], "a play: it rests until taken up"
     beyond = loop.lost(command, np.full(6, -4.0))
     assert beyond.tolist() == [4.0, 4.0, 4.0, 4.0, -4.0, -4.0], "the last command says the side"
+
+
+def test_a_refused_machine_is_told_without_the_folder_of_the_computer(tmp_path):
+    folder = tmp_path / "machine"
+    folder.mkdir()
+    (folder / "machine.toml").write_text('format = "gcomp-machine/1"\nname = 3\n')
+    text, said = loop.corrected("G21 G90\nG1 X1 F100\nM2\n", folder)
+    assert text is None and "machine/machine.toml" in said and str(tmp_path) not in said
